@@ -5,8 +5,6 @@ from typing import Any, Literal, final
 
 import numpy as np
 import numpy.typing as npt
-from typing_extensions import disjoint_base
-
 from rustchain.description.base import Description
 from rustchain.description.drive import Chain, ChainDrive, Sprocket
 from rustchain.description.guides import GuideRail, SmoothIdler
@@ -21,7 +19,6 @@ __all__ = [
     "Case",
     "Core",
     "Ensemble",
-    "IdealCore",
     "MechanismCore",
     "bisector",
     "chain_links",
@@ -31,6 +28,7 @@ __all__ = [
     "effective_restitution",
     "film_forces",
     "guide_outline",
+    "ideal_core",
     "instruction_set",
     "integrate",
     "law_force",
@@ -169,7 +167,7 @@ def integrate(
 ) -> dict[str, Any]:
     """Integrate y' = fun(t, y); return t, y, evaluations, steps, rejected."""
 
-@disjoint_base
+@final
 class Core:
     """A run of a chain drive, or of a mechanism: model, state and integrator."""
 
@@ -300,22 +298,14 @@ def mechanism_case(
 ) -> Case:
     """Return a mechanism and what to record of it, for an `Ensemble`."""
 
-@final
-class IdealCore(Core):
-    """The mechanism of a drive with ideal hinges, with the channels of the drive."""
-
-    def __new__(
-        cls,
-        drive: ChainDrive,
-        force_law: ForceLaw,
-        hinge_law: ForceLaw | None,
-        tooth_law: ForceLaw | None,
-        min_impact_velocity: float,
-        solver: Solver,
-        positions: _Array | None,
-        velocities: _Array | None,
-    ) -> IdealCore: ...
-    def take_start_note(self) -> str | None:
-        """Return how far links had to be moved, where that is far, once."""
-    def restored(self, snapshot: bytes) -> IdealCore:
-        """Return the same simulation in another state."""
+def ideal_core(
+    drive: ChainDrive,
+    force_law: ForceLaw,
+    hinge_law: ForceLaw | None,
+    tooth_law: ForceLaw | None,
+    min_impact_velocity: float,
+    solver: Solver,
+    positions: _Array | None,
+    velocities: _Array | None,
+) -> tuple[Core, str | None]:
+    """Return the run of a drive with ideal hinges, and a warning of its start."""

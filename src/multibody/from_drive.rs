@@ -9,7 +9,6 @@
 //!
 //! Bodies are in the order of the drive, so rows of both agree. An arm, which is not a body of the drive, comes last.
 
-#[cfg(feature = "python")]
 pub(crate) mod channels;
 mod tensioner;
 

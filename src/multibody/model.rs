@@ -189,7 +189,6 @@ impl MechanismModel {
     }
 
     /// Return the names of the force elements.
-    #[cfg(feature = "python")]
     pub(crate) fn force_names(&self) -> impl Iterator<Item = &str> {
         self.forces.iter().map(|force| force.name.as_str())
     }

@@ -1,4 +1,4 @@
-//! Simulation object for Python, of a chain drive or of a mechanism.
+//! Simulation object for Python, of a chain drive with clearance or with ideal hinges, or of a mechanism.
 
 use std::sync::Arc;
 
@@ -9,26 +9,23 @@ use pyo3::types::{PyBytes, PyDict};
 use super::arrays::{Rows, last_row, recorded, rows, table};
 use super::describe;
 use super::errors::to_python;
-use super::evaluation::{drive_evaluation, mechanism_evaluation, set_contact_memory, statistics};
-use super::mechanism::mechanism;
+use super::evaluation::{
+    assembly, drive_evaluation, mechanism_evaluation, set_contact_memory, statistics,
+};
+use super::ideal_core::ideal_evaluation;
 use super::mechanism_callable::{Raised, take};
-use super::starts::{budget, describe_tooth_jumps, interrupted, own_start, stabilisation};
+use super::starts::{budget, describe_tooth_jumps, input, own_start};
 use crate::chain::contact::ToothJump;
 use crate::chain::dynamics::check_rows;
 use crate::chain::model::Model;
-use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
-use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
-use crate::math::Signal;
-use crate::multibody::{Mechanism, MechanismModel, Stabilisation};
 use crate::panics::contained;
 use crate::run::simulation::Simulation;
 use crate::run::{AnySimulation, MechanismSimulation};
-use crate::system::Recording;
 
 /// Compiled model with its state and integrator.
-#[pyclass(module = "rustchain._rustchain", subclass)]
+#[pyclass(module = "rustchain._rustchain")]
 pub(super) struct Core {
     simulation: AnySimulation,
     /// Positions and velocities at construction.
@@ -78,26 +75,22 @@ impl Core {
     }
 
     #[getter]
-    pub(super) fn body_names(&self) -> Vec<String> {
+    fn body_names(&self) -> Vec<String> {
         self.simulation.body_names()
     }
 
     /// Return the names of the joints of a mechanism; none for a drive.
     #[getter]
     fn joint_names(&self) -> Vec<String> {
-        match &self.simulation {
-            AnySimulation::Drive(_) => Vec::new(),
-            AnySimulation::Mechanism(simulation) => simulation.model().joint_names(),
-        }
+        let mechanism = self.simulation.mechanism();
+        mechanism.map_or(Vec::new(), |mechanism| mechanism.model().joint_names())
     }
 
     /// Return the names of the contacts of a mechanism; none for a drive.
     #[getter]
     fn contact_names(&self) -> Vec<String> {
-        match &self.simulation {
-            AnySimulation::Drive(_) => Vec::new(),
-            AnySimulation::Mechanism(simulation) => simulation.model().contact_names().to_vec(),
-        }
+        let contacts = |mechanism: &MechanismSimulation| mechanism.model().contact_names().to_vec();
+        self.simulation.mechanism().map_or(Vec::new(), contacts)
     }
 
     #[getter]
@@ -116,21 +109,16 @@ impl Core {
     }
 
     /// Return the result of the assembly of a mechanism.
-    fn check<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let assembly = describe::checked(py, self.mechanism())?.assembly();
-        let found = PyDict::new(py);
-        found.set_item("degrees_of_freedom", assembly.degrees_of_freedom)?;
-        found.set_item("redundant", &assembly.redundant)?;
-        found.set_item("moved", assembly.moved)?;
-        found.set_item("turned", assembly.turned)?;
-        found.set_item("velocity_change", assembly.velocity_change)?;
-        found.set_item("spin_change", assembly.spin_change)?;
-        found.set_item("warnings", &assembly.warnings)?;
-        Ok(found)
+    fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let mechanism = self.simulation.mechanism().ok_or_else(|| {
+            let value = "of a chain drive with clearance";
+            Error::invalid("simulation", value, "expected one of a mechanism")
+        });
+        assembly(py, describe::checked(py, mechanism)?.assembly())
     }
 
     /// Return the complete state of the run.
-    pub(super) fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let snapshot = describe::checked(py, self.simulation.state())?;
         let state = PyDict::new(py);
         state.set_item("time", self.simulation.time())?;
@@ -144,7 +132,7 @@ impl Core {
     }
 
     /// Return the same simulation in the state of a snapshot.
-    pub(super) fn restored(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
+    fn restored(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
         let mut simulation = self.simulation.clone();
         describe::checked(py, simulation.restore(snapshot))?;
         let mut core = Self::of(simulation, self.start.clone(), Arc::clone(&self.raised));
@@ -180,6 +168,10 @@ impl Core {
                 }
                 drive_evaluation(py, &simulation.evaluate_elsewhere(places, speeds, time))
             }
+            AnySimulation::Ideal(simulation) => {
+                let row = simulation.evaluate_elsewhere(positions, velocities, time);
+                ideal_evaluation(py, simulation, &describe::checked(py, row)?)
+            }
             AnySimulation::Mechanism(simulation) => {
                 let row = simulation.evaluate_elsewhere(places, speeds, time);
                 take(&self.raised)?;
@@ -200,6 +192,10 @@ impl Core {
         let (duration, report_step, energy) = describe::reports(duration, report_step, energy)?;
         match &mut self.simulation {
             AnySimulation::Drive(simulation) => {
+                let groups = describe::drive_groups(&groups.unwrap_or_default(), energy);
+                simulation.start_recording(duration, report_step, groups);
+            }
+            AnySimulation::Ideal(simulation) => {
                 let groups = describe::drive_groups(&groups.unwrap_or_default(), energy);
                 simulation.start_recording(duration, report_step, groups);
             }
@@ -228,11 +224,12 @@ impl Core {
     }
 
     /// Return the last row of a channel, flat.
-    pub(super) fn last_row<'py>(
-        &self,
-        py: Python<'py>,
-        name: &str,
-    ) -> Option<Bound<'py, PyArray1<f64>>> {
+    fn last_row<'py>(&self, py: Python<'py>, name: &str) -> Option<Bound<'py, PyArray1<f64>>> {
+        if let AnySimulation::Ideal(simulation) = &self.simulation
+            && let Some(row) = simulation.last_row(name)
+        {
+            return Some(row.into_pyarray(py));
+        }
         last_row(py, self.simulation.recording()?, name)
     }
 
@@ -247,8 +244,10 @@ impl Core {
         let (quantity, signal) = input(quantity, value)?;
         let outcome = match &mut self.simulation {
             AnySimulation::Drive(simulation) => {
-                let sprocket = part.extract::<usize>()?.wrapping_sub(1);
-                simulation.set_input(sprocket, quantity, signal)
+                simulation.set_input(part.extract::<usize>()?.wrapping_sub(1), quantity, signal)
+            }
+            AnySimulation::Ideal(simulation) => {
+                simulation.set_input(part.extract::<usize>()?.wrapping_sub(1), quantity, signal)
             }
             AnySimulation::Mechanism(simulation) => {
                 simulation.set_input(part.extract()?, quantity, signal)
@@ -257,7 +256,7 @@ impl Core {
         describe::checked(value.py(), outcome)
     }
 
-    pub(super) fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         recorded(py, self.simulation.take_recording())
     }
 
@@ -312,7 +311,7 @@ impl Core {
         let balance = self.simulation.balance_note().map(str::to_string);
         let range = match &self.simulation {
             AnySimulation::Drive(simulation) => simulation.range_notes(),
-            AnySimulation::Mechanism(_) => Vec::new(),
+            _ => Vec::new(),
         };
         let mut new = |notes: Vec<String>| {
             let new: Vec<String> = notes
@@ -341,54 +340,10 @@ impl Core {
         }
     }
 
-    /// Return the assembled run of `mechanism`; exceptions of callables are stored in `raised`.
-    pub(super) fn assembled(
-        py: Python<'_>,
-        mechanism: &Mechanism,
-        control: StepControl,
-        stabilisation: Stabilisation,
-        raised: Raised,
-    ) -> PyResult<Self> {
-        let made = contained(|| {
-            let model = MechanismModel::compile(mechanism)?;
-            let give_up = || interrupted(py, &raised);
-            MechanismSimulation::assemble_unless(Arc::new(model), control, stabilisation, &give_up)
-        });
-        take(&raised)?;
-        let mut simulation = AnySimulation::Mechanism(describe::checked(py, made)?);
-        let start = [simulation.positions(), simulation.velocities()];
-        Ok(Self::of(simulation, start, raised))
-    }
-
-    /// Return the run of a mechanism.
-    pub(super) fn mechanism(&mut self) -> Result<&mut MechanismSimulation> {
-        match &mut self.simulation {
-            AnySimulation::Mechanism(simulation) => Ok(simulation),
-            AnySimulation::Drive(_) => Err(Error::invalid(
-                "simulation",
-                "of a chain drive",
-                "expected one of a mechanism",
-            )),
-        }
-    }
-
-    /// Return the model of a mechanism.
-    pub(super) fn mechanism_model(&self) -> Option<&MechanismModel> {
-        match &self.simulation {
-            AnySimulation::Mechanism(simulation) => Some(simulation.model()),
-            AnySimulation::Drive(_) => None,
-        }
-    }
-
-    /// Return the active recording.
-    pub(super) fn recording(&self) -> Option<&Recording> {
-        self.simulation.recording()
-    }
-
     fn jumps(&self) -> &[ToothJump] {
         match &self.simulation {
             AnySimulation::Drive(simulation) => simulation.tooth_jumps(),
-            AnySimulation::Mechanism(_) => &[],
+            _ => &[],
         }
     }
 
@@ -405,34 +360,4 @@ impl Core {
         take(&self.raised)?;
         describe::checked(py, outcome)
     }
-}
-
-/// Read the quantity and the signal of an input.
-pub(super) fn input(quantity: &str, value: &Bound<'_, PyAny>) -> PyResult<(InputQuantity, Signal)> {
-    let (quantity, name, unit) = match quantity {
-        "speed" => (InputQuantity::Speed, "speed", "rad/s"),
-        _ => (InputQuantity::Torque, "torque", "N m"),
-    };
-    Ok((quantity, describe::signal(value, name, unit)?))
-}
-
-/// Return a run of a mechanism. `baumgarte`: angular frequency of the stabilisation \[rad/s\]; `None`: projection.
-#[pyfunction]
-#[pyo3(name = "MechanismCore")]
-pub(super) fn mechanism_core(
-    description: &Bound<'_, PyAny>,
-    solver: &Bound<'_, PyAny>,
-    baumgarte: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Core> {
-    let py = description.py();
-    let raised = Raised::default();
-    let description = mechanism(description, &raised)?;
-    let control = describe::solver(solver)?;
-    Core::assembled(
-        py,
-        &description,
-        control,
-        stabilisation(py, baumgarte)?,
-        raised,
-    )
 }

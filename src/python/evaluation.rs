@@ -8,6 +8,7 @@ use super::arrays::{recorded, table};
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
+use crate::multibody::Assembly;
 use crate::run::simulation::Statistics;
 use crate::system::Recording;
 
@@ -194,4 +195,17 @@ fn put_bristles(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> 
         found.set_item("tooth_bristle", teeth.reshape(shape)?)?;
     }
     Ok(())
+}
+
+/// Return the fields of a report on the assembly of a mechanism.
+pub(super) fn assembly<'py>(py: Python<'py>, assembly: &Assembly) -> PyResult<Bound<'py, PyDict>> {
+    let found = PyDict::new(py);
+    found.set_item("degrees_of_freedom", assembly.degrees_of_freedom)?;
+    found.set_item("redundant", &assembly.redundant)?;
+    found.set_item("moved", assembly.moved)?;
+    found.set_item("turned", assembly.turned)?;
+    found.set_item("velocity_change", assembly.velocity_change)?;
+    found.set_item("spin_change", assembly.spin_change)?;
+    found.set_item("warnings", &assembly.warnings)?;
+    Ok(found)
 }

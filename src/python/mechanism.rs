@@ -1,15 +1,21 @@
 //! Conversion of Python's description of a mechanism to that of this crate, part by part.
 
+use std::sync::Arc;
+
 use pyo3::prelude::*;
 
-use super::describe::{Reader, friction, number, refuse, signal, table, truth};
+use super::core::Core;
+use super::describe::{Reader, checked, friction, number, refuse, signal, table, truth};
 use super::errors::InvalidInput;
-use super::mechanism_callable::{Raised, custom};
+use super::mechanism_callable::{Raised, custom, take};
 use super::mechanism_contact::contact;
+use super::starts::{interrupted, stabilisation};
 use crate::multibody::{
-    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, Motion, PinFriction,
-    SpringLaw,
+    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
+    PinFriction, SpringLaw,
 };
+use crate::panics::contained;
+use crate::run::{AnySimulation, MechanismSimulation};
 
 /// Read a `Mechanism`; exceptions of callables are stored in `raised`.
 pub(super) fn mechanism(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Mechanism> {
@@ -242,4 +248,28 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
         }
     };
     Ok(ForceElement { name, a, b, kind })
+}
+
+/// Return a run of a mechanism. `baumgarte`: angular frequency of the stabilisation \[rad/s\]; `None`: projection.
+#[pyfunction]
+#[pyo3(name = "MechanismCore")]
+pub(super) fn mechanism_core(
+    description: &Bound<'_, PyAny>,
+    solver: &Bound<'_, PyAny>,
+    baumgarte: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Core> {
+    let py = description.py();
+    let raised = Raised::default();
+    let description = mechanism(description, &raised)?;
+    let control = super::describe::solver(solver)?;
+    let stabilisation = stabilisation(py, baumgarte)?;
+    let made = contained(|| {
+        let model = Arc::new(MechanismModel::compile(&description)?);
+        let give_up = || interrupted(py, &raised);
+        MechanismSimulation::assemble_unless(model, control, stabilisation, &give_up)
+    });
+    take(&raised)?;
+    let mut simulation = AnySimulation::Mechanism(checked(py, made)?);
+    let start = [simulation.positions(), simulation.velocities()];
+    Ok(Core::of(simulation, start, raised))
 }

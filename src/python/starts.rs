@@ -1,4 +1,4 @@
-//! Starts, stabilisation and wall time budget of a run for Python, and texts of its warnings.
+//! Starts, inputs, stabilisation and wall time budget of a run for Python, and texts of its warnings.
 
 use std::time::Duration;
 
@@ -10,9 +10,10 @@ use super::describe;
 use super::errors::to_python;
 use super::mechanism_callable::Raised;
 use crate::chain::contact::ToothJump;
-use crate::drive::Drive;
+use crate::drive::{Drive, InputQuantity};
 use crate::error::Error;
 use crate::layout::InitialConfiguration;
+use crate::math::Signal;
 use crate::multibody::Stabilisation;
 use crate::panics::contained;
 
@@ -81,6 +82,15 @@ pub(super) fn own_start(
             &Error::invalid("velocities", "None", "must be given when positions are"),
         )),
     }
+}
+
+/// Read the quantity and the signal of an input.
+pub(super) fn input(quantity: &str, value: &Bound<'_, PyAny>) -> PyResult<(InputQuantity, Signal)> {
+    let (quantity, name, unit) = match quantity {
+        "speed" => (InputQuantity::Speed, "speed", "rad/s"),
+        _ => (InputQuantity::Torque, "torque", "N m"),
+    };
+    Ok((quantity, describe::signal(value, name, unit)?))
 }
 
 /// Return a wall time budget.

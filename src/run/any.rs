@@ -2,17 +2,20 @@
 
 use std::time::Duration;
 
+use super::ideal_drive::IdealDrive;
 use super::mechanism::MechanismSimulation;
 use super::simulation::{Simulation, Statistics};
 use crate::error::Result;
 use crate::system::Recording;
 
-/// Run of a chain drive or of a mechanism.
+/// Run of a chain drive, with clearance in its hinges or with ideal ones, or of a mechanism.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant)] // one value a run
 pub enum AnySimulation {
     /// Run of a chain drive.
     Drive(Simulation),
+    /// Run of a drive with ideal hinges.
+    Ideal(IdealDrive),
     /// Run of a mechanism.
     Mechanism(MechanismSimulation),
 }
@@ -22,6 +25,7 @@ macro_rules! of_any {
     ($any:expr, $simulation:ident => $result:expr) => {
         match $any {
             AnySimulation::Drive($simulation) => $result,
+            AnySimulation::Ideal($simulation) => $result,
             AnySimulation::Mechanism($simulation) => $result,
         }
     };
@@ -37,13 +41,18 @@ impl AnySimulation {
     /// Return the names of the bodies.
     #[must_use]
     pub fn body_names(&self) -> Vec<String> {
-        of_any!(self, simulation => simulation.model().body_names())
+        match self {
+            Self::Drive(simulation) => simulation.model().body_names(),
+            Self::Ideal(simulation) => simulation.body_names(),
+            Self::Mechanism(simulation) => simulation.model().body_names(),
+        }
     }
 
     /// Return the positions of all bodies at the present time.
     pub fn positions(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().positions(),
+            Self::Ideal(simulation) => simulation.motion(false),
             Self::Mechanism(simulation) => simulation.motion(false),
         }
     }
@@ -52,7 +61,18 @@ impl AnySimulation {
     pub fn velocities(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().velocities(),
+            Self::Ideal(simulation) => simulation.motion(true),
             Self::Mechanism(simulation) => simulation.motion(true),
+        }
+    }
+
+    /// Return the run of the mechanism that this is or runs as; none of a drive with clearance.
+    #[must_use]
+    pub fn mechanism(&self) -> Option<&MechanismSimulation> {
+        match self {
+            Self::Drive(_) => None,
+            Self::Ideal(simulation) => Some(simulation),
+            Self::Mechanism(simulation) => Some(simulation),
         }
     }
 

@@ -1,216 +1,154 @@
-//! Channels of a drive with ideal hinges, from the recording of its mechanism.
+//! Run of a drive with ideal hinges: that of its mechanism, with the bodies, inputs and channels of the drive.
 
+mod rows;
+
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
+pub(crate) use rows::Rows;
+
+use super::MechanismSimulation;
 use crate::chain::Groups;
-use crate::geometry::Vec2;
-use crate::multibody::MechanismModel;
-use crate::multibody::from_drive::channels::{BushingContact, DriveView, MechanismRow};
-use crate::system::{Channel, Recording, Values};
+use crate::drive::{Drive, InputQuantity};
+use crate::error::Result;
+use crate::integrator::StepControl;
+use crate::layout::InitialConfiguration;
+use crate::math::Signal;
+use crate::multibody::from_drive::channels::DriveView;
+use crate::multibody::{DriveContacts, Mechanism, MechanismGroups, MechanismModel, Stabilisation};
+use crate::system::Recording;
 
-/// Energy channels, with the same names as in the recording of the mechanism.
-const ENERGY: [&str; 6] = [
-    "energy_kinetic",
-    "energy_gravity",
-    "energy_elastic",
-    "energy_dissipated",
-    "energy_external_work",
-    "energy_residual",
-];
-
-/// Recording of a mechanism, row by row.
-pub(crate) struct Rows<'a> {
-    recording: &'a Recording,
-    bodies: usize,
-    joints: usize,
-    contacts: usize,
-    forces: usize,
+/// Run of a drive with ideal hinges.
+#[derive(Debug, Clone)]
+pub struct IdealDrive {
+    run: MechanismSimulation,
+    view: DriveView,
+    /// Groups of the active recording.
+    groups: Groups,
 }
 
-impl<'a> Rows<'a> {
-    pub(crate) fn new(recording: &'a Recording, model: &MechanismModel) -> Self {
-        Self {
-            recording,
-            bodies: model.body_names().len(),
-            joints: model.joint_names().len(),
-            contacts: model.contact_names().len(),
-            forces: model.force_names().count(),
-        }
-    }
+impl Deref for IdealDrive {
+    type Target = MechanismSimulation;
 
-    /// Return row `i`.
-    pub(crate) fn row(&self, i: usize) -> MechanismRow<'a> {
-        let (from, contacts) = (self.recording, self.contacts);
-        MechanismRow {
-            positions: part(from.real("positions"), i, 3 * self.bodies),
-            velocities: part(from.real("velocities"), i, 3 * self.bodies),
-            reactions: part(from.real("joint_reaction"), i, 3 * self.joints),
-            applied_torque: part(from.real("applied_torque"), i, self.forces),
-            contact_force: part(from.real("contact_force"), i, contacts),
-            contact_force_vector: part(from.real("contact_force_vector"), i, 2 * contacts),
-            penetration: part(from.real("contact_penetration"), i, contacts),
-            contact_gap: part(from.whole("contact_gap"), i, contacts),
-            contact_region: part(from.whole("contact_region"), i, contacts),
-        }
-    }
-
-    fn count(&self) -> usize {
-        self.recording.time.len()
-    }
-
-    /// Return the accelerations of the mechanism's bodies in all rows.
-    pub(crate) fn accelerations(&self) -> &'a [f64] {
-        self.recording.real("accelerations")
-    }
-
-    /// Return the last row of a channel used by stop conditions; none without rows.
-    pub(crate) fn last(&self, view: &DriveView, name: &str) -> Option<Vec<f64>> {
-        let i = self.count().checked_sub(1)?;
-        match name {
-            "peak_hinge_force" => {
-                Some(self.peak_of_hinges(view, self.recording.real("peak_joint_force"), i))
-            }
-            "peak_tooth_force" => Some(self.largest_of_bushings(view, i)),
-            "strand_tension" => Some(view.strand_tensions(&self.row(i))),
-            _ => None,
-        }
-    }
-
-    fn peak_of_hinges(&self, view: &DriveView, values: &[f64], i: usize) -> Vec<f64> {
-        part(values, i, self.joints)[view.hinges()].to_vec()
-    }
-
-    /// Return the largest force of each bushing on any sprocket since the previous row.
-    fn largest_of_bushings(&self, view: &DriveView, i: usize) -> Vec<f64> {
-        let forces = part(self.recording.real("peak_contact_force"), i, self.contacts);
-        let largest = |forces: &[f64]| forces.iter().copied().fold(0.0, f64::max);
-        forces.chunks_exact(view.sprockets()).map(largest).collect()
-    }
-
-    /// Return a channel of real numbers with a row of `shape` at each time.
-    fn real<V: IntoIterator<Item = f64>>(
-        &self,
-        name: &'static str,
-        shape: &[usize],
-        values: impl Fn(usize) -> V,
-    ) -> Channel {
-        Channel {
-            name,
-            row_shape: shape.to_vec(),
-            values: Values::Real((0..self.count()).flat_map(values).collect()),
-        }
-    }
-
-    /// Return all channels of `groups`.
-    pub(crate) fn channels(&self, view: &DriveView, groups: Groups) -> Recording {
-        let mut channels = Vec::new();
-        if groups.hinges {
-            channels.extend(self.hinge_channels(view));
-        }
-        if groups.teeth {
-            channels.extend(self.tooth_channels(view));
-        }
-        if groups.sprockets {
-            channels.extend(self.sprocket_channels(view));
-        }
-        if groups.bodies {
-            let own = [view.bodies(), 3];
-            let first = 3 * view.bodies();
-            let positions = |i| self.row(i).positions[..first].iter().copied();
-            let velocities = |i| self.row(i).velocities[..first].iter().copied();
-            channels.push(self.real("positions", &own, positions));
-            channels.push(self.real("velocities", &own, velocities));
-        }
-        if groups.energy {
-            channels.extend(ENERGY.map(|name| {
-                let energy = self.recording.real(name);
-                self.real(name, &[], |i| [energy[i]])
-            }));
-        }
-        Recording {
-            time: self.recording.time.clone(),
-            channels,
-        }
-    }
-
-    /// Return hinge forces, pin positions, strand tensions and peaks.
-    fn hinge_channels(&self, view: &DriveView) -> [Channel; 7] {
-        let n = view.links();
-        let vectors = |values: Vec<Vec2>| values.into_iter().flat_map(<[f64; 2]>::from);
-        let sizes = |values: Vec<Vec2>| values.into_iter().map(|v| v.x.hypot(v.y));
-        let forces = |i| view.on_pins(self.row(i).reactions);
-        let places = |i| view.eccentricities(self.row(i).positions);
-        [
-            self.real("hinge_force", &[n], |i| sizes(forces(i))),
-            self.real("hinge_force_vector", &[n, 2], |i| vectors(forces(i))),
-            self.real("hinge_penetration", &[n], |i| sizes(places(i))),
-            self.real("hinge_eccentricity", &[n, 2], |i| vectors(places(i))),
-            self.real("strand_tension", &[view.strands()], |i| {
-                view.strand_tensions(&self.row(i))
-            }),
-            self.real("peak_hinge_force", &[n], |i| {
-                self.peak_of_hinges(view, self.recording.real("peak_joint_force"), i)
-            }),
-            self.real("peak_hinge_impulse", &[n], |i| {
-                self.peak_of_hinges(view, self.recording.real("peak_joint_impulse"), i)
-            }),
-        ]
-    }
-
-    /// Return the contact of largest penetration of each bushing, and peaks over all sprockets.
-    fn tooth_channels(&self, view: &DriveView) -> Vec<Channel> {
-        let n = view.links();
-        let deepest: Vec<Vec<BushingContact>> = (0..self.count())
-            .map(|i| view.deepest_contacts(&self.row(i)))
-            .collect();
-        let real = |name, shape: &[usize], value: fn(&BushingContact) -> Vec<f64>| {
-            self.real(name, shape, |i| deepest[i].iter().flat_map(value))
-        };
-        let whole = |name, value: fn(&BushingContact) -> i32| Channel {
-            name,
-            row_shape: vec![n],
-            values: Values::Whole(deepest.iter().flatten().map(value).collect()),
-        };
-        let impulses = self.recording.real("peak_contact_impulse");
-        vec![
-            real("tooth_force", &[n], |found| vec![found.force]),
-            real("tooth_force_vector", &[n, 2], |found| found.vector.to_vec()),
-            real("tooth_penetration", &[n], |found| vec![found.penetration]),
-            whole("tooth_sprocket", BushingContact::number),
-            whole("tooth_index", |found| found.gap),
-            whole("tooth_region", |found| found.region),
-            self.real("peak_tooth_force", &[n], |i| {
-                self.largest_of_bushings(view, i)
-            }),
-            self.real("peak_tooth_impulse", &[n], |i| {
-                part(impulses, i, self.contacts)
-                    .chunks_exact(view.sprockets())
-                    .map(|impulses| impulses.iter().sum())
-            }),
-        ]
-    }
-
-    /// Return angle, speed, shaft torque and centre of each sprocket.
-    fn sprocket_channels(&self, view: &DriveView) -> [Channel; 4] {
-        let s = view.sprockets();
-        let wheels = view.links()..view.bodies();
-        let angles = |rows: &'a [f64]| wheels.clone().map(move |body| rows[3 * body + 2]);
-        [
-            self.real("sprocket_angle", &[s], |i| angles(self.row(i).positions)),
-            self.real("sprocket_speed", &[s], |i| angles(self.row(i).velocities)),
-            self.real("sprocket_torque", &[s], |i| {
-                let row = self.row(i);
-                (0..s).map(move |wheel| view.shaft_torque(&row, wheel))
-            }),
-            self.real("sprocket_center", &[s, 2], |i| {
-                let positions = self.row(i).positions;
-                wheels
-                    .clone()
-                    .flat_map(move |body| [positions[3 * body], positions[3 * body + 1]])
-            }),
-        ]
+    fn deref(&self) -> &MechanismSimulation {
+        &self.run
     }
 }
 
-/// Return row `i` of values with `width` numbers per row.
-fn part<T>(values: &[T], i: usize, width: usize) -> &[T] {
-    &values[i * width..(i + 1) * width]
+impl DerefMut for IdealDrive {
+    fn deref_mut(&mut self) -> &mut MechanismSimulation {
+        &mut self.run
+    }
+}
+
+impl IdealDrive {
+    /// Return the run of `drive` from `start`, and the positions and velocities before assembly, which moves them by rounding. `None`:
+    /// the generated initial configuration. `give_up` is called repeatedly during assembly and ends it with an error.
+    ///
+    /// # Errors
+    /// If the drive, a control or the start is invalid, or a part has no counterpart in a mechanism.
+    pub fn new(
+        drive: &Drive,
+        contacts: &DriveContacts,
+        start: Option<&InitialConfiguration>,
+        control: StepControl,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<(Self, InitialConfiguration)> {
+        let mechanism = Mechanism::from_drive(drive, contacts, start)?;
+        let model = Arc::new(MechanismModel::compile(&mechanism)?);
+        let projection = Stabilisation::Projection;
+        let run = MechanismSimulation::assemble_unless(model, control, projection, give_up)?;
+        let view = DriveView::new(drive, run.model())?;
+        let placed = &mechanism.bodies[..view.bodies()];
+        let placed = InitialConfiguration {
+            positions: placed.iter().map(|body| body.position).collect(),
+            velocities: placed.iter().map(|body| body.velocity).collect(),
+        };
+        let groups = Groups::default();
+        Ok((Self { run, view, groups }, placed))
+    }
+
+    /// Return the drive for the channels of its mechanism.
+    #[cfg(feature = "python")]
+    pub(crate) fn view(&self) -> &DriveView {
+        &self.view
+    }
+
+    /// Return the names of the bodies of the drive.
+    #[must_use]
+    pub fn body_names(&self) -> Vec<String> {
+        let mut names = self.run.model().body_names();
+        names.truncate(self.view.bodies());
+        names
+    }
+
+    /// Return positions (false) or velocities (true) of the bodies of the drive at the present time.
+    pub fn motion(&mut self, velocities: bool) -> Vec<[f64; 3]> {
+        let mut rows = self.run.motion(velocities);
+        rows.truncate(self.view.bodies());
+        rows
+    }
+
+    /// Return a recording of the mechanism of one row at another state of the drive; the run is unchanged. Given values replace the
+    /// present ones.
+    ///
+    /// With given positions, no contact has an impact velocity memory.
+    ///
+    /// # Errors
+    /// If the number of rows differs from that of the bodies, or a number is not finite.
+    pub fn evaluate_elsewhere(
+        &mut self,
+        positions: Option<Vec<[f64; 3]>>,
+        velocities: Option<Vec<[f64; 3]>>,
+        time: Option<f64>,
+    ) -> Result<Recording> {
+        let given = positions.is_some();
+        let [places, rates] = if positions.is_none() && velocities.is_none() {
+            [None, None]
+        } else {
+            let positions = positions.unwrap_or_else(|| self.motion(false));
+            let velocities = velocities.unwrap_or_else(|| self.motion(true));
+            self.view.with_arm(positions, velocities)?.map(Some)
+        };
+        let places = places.filter(|_| given);
+        (self.run).evaluate_elsewhere(places.as_deref(), rates.as_deref(), time)
+    }
+
+    /// Begin a recording at the present time.
+    pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: Groups) {
+        self.groups = groups;
+        // Channels of a drive are computed from those of bodies, joints and contacts.
+        let groups = MechanismGroups {
+            energy: groups.energy,
+            ..MechanismGroups::ALL
+        };
+        self.run.start_recording(duration, report_step, groups);
+    }
+
+    /// Return the last row of a channel used by stop conditions; none without rows or of another channel.
+    #[must_use]
+    pub fn last_row(&self, name: &str) -> Option<Vec<f64>> {
+        Rows::new(self.run.recording()?, self.run.model()).last(&self.view, name)
+    }
+
+    /// End the recording and return the channels of the drive with all rows so far.
+    pub fn take_recording(&mut self) -> Recording {
+        let recording = self.run.take_recording();
+        Rows::new(&recording, self.run.model()).channels(&self.view, self.groups)
+    }
+
+    /// Set another speed or torque of sprocket `sprocket` (from 0) from the present time on, as of a drive with clearance.
+    ///
+    /// # Errors
+    /// If there is no such sprocket, its motion has no such quantity, or `signal` is outside the range of a drive's description; the
+    /// simulation is then unchanged.
+    pub fn set_input(
+        &mut self,
+        sprocket: usize,
+        quantity: InputQuantity,
+        signal: Signal,
+    ) -> Result<()> {
+        let name = self.view.input(sprocket, quantity, &signal)?;
+        self.run.set_input(&name, quantity, signal)
+    }
 }

@@ -4,11 +4,11 @@ mod any;
 mod drive;
 pub mod ensemble;
 pub(crate) mod equilibrium;
-#[cfg(feature = "python")]
 pub(crate) mod ideal_drive;
 mod mechanism;
 pub(crate) mod recorder;
 pub mod simulation;
 
 pub use any::AnySimulation;
+pub use ideal_drive::IdealDrive;
 pub use mechanism::MechanismSimulation;

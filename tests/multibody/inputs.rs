@@ -149,30 +149,30 @@ fn the_impulse_of_a_jump_of_the_speed_works_as_much_as_the_kinetic_energy_change
 fn a_torque_that_is_set_does_what_the_same_step_in_a_table_does() {
     let (set_at, end) = (1.234_567e-3, 4e-3);
     for tolerance in [1e-9, 1e-10, 1e-11, 1e-12] {
-    let pushed = |torque: Signal| {
-        let mut mechanism = machine(1e-4, Elastic::Hertz);
-        let kind = ForceKind::Torque(torque);
-        let rod = Marker::new("rod", 0.0, 0.0);
-        let torque = ForceElement::new("torque", ground(0.0, 0.0), rod, kind);
-        mechanism.forces.push(torque);
-        simulation(&mechanism, tolerance)
-    };
-    let mut set = pushed(0.0.into());
-    run_to(&mut set, set_at);
-    set.set_input("torque", Torque, 2.0.into()).unwrap();
-    run_to(&mut set, end);
-    let mut described = pushed(rows(&[(set_at - 1e-10, 0.0), (set_at, 2.0)]));
-    run_to(&mut described, end);
-    let mut without = pushed(0.0.into());
-    run_to(&mut without, end);
-    let apart = |a: &mut MechanismSimulation, b: &mut MechanismSimulation| {
-        let (a, b) = (a.motion(false), b.motion(false));
-        let apart = a.iter().flatten().zip(b.iter().flatten());
-        apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-    };
-    let moved = apart(&mut set, &mut without);
-    let error = apart(&mut set, &mut described);
-    eprintln!("{tolerance:e} {error:e} {moved:e} {}", set.onsets());
+        let pushed = |torque: Signal| {
+            let mut mechanism = machine(1e-4, Elastic::Hertz);
+            let kind = ForceKind::Torque(torque);
+            let rod = Marker::new("rod", 0.0, 0.0);
+            let torque = ForceElement::new("torque", ground(0.0, 0.0), rod, kind);
+            mechanism.forces.push(torque);
+            simulation(&mechanism, tolerance)
+        };
+        let mut set = pushed(0.0.into());
+        run_to(&mut set, set_at);
+        set.set_input("torque", Torque, 2.0.into()).unwrap();
+        run_to(&mut set, end);
+        let mut described = pushed(rows(&[(set_at - 1e-10, 0.0), (set_at, 2.0)]));
+        run_to(&mut described, end);
+        let mut without = pushed(0.0.into());
+        run_to(&mut without, end);
+        let apart = |a: &mut MechanismSimulation, b: &mut MechanismSimulation| {
+            let (a, b) = (a.motion(false), b.motion(false));
+            let apart = a.iter().flatten().zip(b.iter().flatten());
+            apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let moved = apart(&mut set, &mut without);
+        let error = apart(&mut set, &mut described);
+        eprintln!("{tolerance:e} {error:e} {moved:e} {}", set.onsets());
     }
 }
 

@@ -50,8 +50,8 @@ def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
             warn_caller(text)
         return core
     if scene.kind == "ideal":
-        ideal = _rustchain.IdealCore(**keywords_of(scene), **place)
-        if (note := ideal.take_start_note()) is not None:
+        ideal, note = _rustchain.ideal_core(**keywords_of(scene), **place)
+        if note is not None:
             warn_caller(note)
         return ideal
     return _rustchain.Core(**keywords_of(scene), **place)
