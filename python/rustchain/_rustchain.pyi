@@ -229,13 +229,15 @@ class Core:
         """Make `advance` return after each report."""
     @property
     def rows(self) -> int:
-        """Number of rows recorded so far."""
+        """Number of rows in the recording, without those that were taken."""
     def last_row(self, name: str) -> _Array:
         """Return the last row of a channel, flat."""
     def set_input(self, part: int | str, quantity: str, value: object) -> None:
         """Set "speed" or "torque" of a sprocket, from 1, or of a part of a mechanism by name."""
     def take_recording(self) -> dict[str, npt.NDArray[Any]]:
-        """Return the rows recorded up to now."""
+        """End the recording and return its rows, without those that were taken."""
+    def take_rows(self, count: int) -> dict[str, npt.NDArray[Any]]:
+        """Remove the first `count` rows, or all of them, and return them; the recording goes on."""
     def step_to(self, t: float, wall_budget: float) -> bool:
         """Go on towards exactly `t` [s]; return whether it is reached."""
     def stats(self) -> dict[str, float]:

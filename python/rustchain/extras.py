@@ -10,6 +10,7 @@ from rustchain.names import DISTRIBUTION
 
 if TYPE_CHECKING:
     import h5netcdf as h5netcdf
+    import h5py as h5py
     import matplotlib as matplotlib
     import pandas as pandas
     import typer as typer
@@ -22,6 +23,7 @@ _MODULES = {
     "matplotlib": ("matplotlib", "plot"),
     "xarray": ("xarray", "io"),
     "h5netcdf": ("h5netcdf", "io"),
+    "h5py": ("h5py", "io"),
     "pandas": ("pandas", "io"),
     "signal": ("scipy.signal", "analysis"),
     "stats": ("scipy.stats", "analysis"),

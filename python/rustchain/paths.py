@@ -5,7 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rustchain.arguments import PATH_WORDS, shown
@@ -81,7 +82,7 @@ def check_writable(path: object, field: str = "path") -> None:
         with tempfile.TemporaryFile(dir=_target(path, field).parent):
             pass
     except OSError as error:
-        raise _unwritable(path, field, error) from error
+        raise unwritable(path, field, error) from error
 
 
 def write_whole(path: object, content: bytes | memoryview, field: str = "path") -> None:
@@ -98,15 +99,21 @@ def write_whole(path: object, content: bytes | memoryview, field: str = "path") 
     OSError
         The file cannot be written, or is a directory, a device or a FIFO.
     """
+    with new_file(path, field) as (part, _), part.open("xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+@contextmanager
+def new_file(path: object, field: str = "path") -> Iterator[tuple[Path, Path]]:
+    """Give the path to write a file to, and the one that it then takes; as `write_whole`."""
     try:
         target = _target(path, field)
         # A name of its own length, since one derived from a long name is too long.
         part = target.with_name(f".{os.urandom(8).hex()}.part")
         try:
-            with part.open("xb") as file:
-                file.write(content)
-                file.flush()
-                os.fsync(file.fileno())
+            yield part, target
             _hand_on_permissions(target, part)
             part.replace(target)
         except BaseException:
@@ -114,7 +121,7 @@ def write_whole(path: object, content: bytes | memoryview, field: str = "path") 
                 part.unlink()
             raise
     except OSError as error:
-        raise _unwritable(path, field, error) from error
+        raise unwritable(path, field, error) from error
 
 
 def _target(path: object, field: str) -> Path:
@@ -136,7 +143,7 @@ def _hand_on_permissions(old: Path, new: Path) -> None:
         new.chmod(stat.S_IMODE(status.st_mode))
 
 
-def _unwritable(path: object, field: str, error: OSError) -> OSError:
+def unwritable(path: object, field: str, error: OSError) -> OSError:
     """Return the error with the reason why a file cannot be written."""
     return type(error)(
         f"{field} = {shown_path(path)}: cannot be written ({reason(error)}); expected a file in an "

@@ -216,7 +216,7 @@ impl Core {
         self.simulation.pause_at_reports();
     }
 
-    /// Return the number of rows recorded so far.
+    /// Return the number of rows in the recording, without those that were taken from it.
     #[getter]
     fn rows(&self) -> usize {
         let recording = self.simulation.recording();
@@ -258,6 +258,11 @@ impl Core {
 
     fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         recorded(py, self.simulation.take_recording())
+    }
+
+    /// Remove the first `count` rows of the recording, or all of them, and return them; the recording continues.
+    fn take_rows<'py>(&mut self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyDict>> {
+        recorded(py, self.simulation.take_rows(count))
     }
 
     fn step_to(

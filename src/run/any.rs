@@ -120,6 +120,11 @@ impl AnySimulation {
         of_any!(self, simulation => simulation.take_recording())
     }
 
+    /// Remove rows of the recording and return them, as [`Simulation::take_rows`].
+    pub fn take_rows(&mut self, count: usize) -> Recording {
+        of_any!(self, simulation => simulation.take_rows(count))
+    }
+
     /// Return the state as bytes.
     ///
     /// # Errors

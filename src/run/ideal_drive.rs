@@ -134,7 +134,18 @@ impl IdealDrive {
     /// End the recording and return the channels of the drive with all rows so far.
     pub fn take_recording(&mut self) -> Recording {
         let recording = self.run.take_recording();
-        Rows::new(&recording, self.run.model()).channels(&self.view, self.groups)
+        self.channels(&recording)
+    }
+
+    /// Remove the first `count` rows of the active recording, or all of them, and return the channels of the drive; the recording continues.
+    pub fn take_rows(&mut self, count: usize) -> Recording {
+        let recording = self.run.take_rows(count);
+        self.channels(&recording)
+    }
+
+    /// Return the channels of the drive from a recording of its mechanism.
+    fn channels(&self, recording: &Recording) -> Recording {
+        Rows::new(recording, self.run.model()).channels(&self.view, self.groups)
     }
 
     /// Set another speed or torque of sprocket `sprocket` (from 0) from the present time on, as of a drive with clearance.

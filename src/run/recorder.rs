@@ -27,8 +27,9 @@ pub(crate) struct Recorder<S: System> {
     report_step: f64,
     begin: f64,
     end: f64,
-    /// Index of the next report.
+    /// Index of the next report, and the time of the last one \[s\].
     next: u64,
+    last: Option<f64>,
     /// Energies at the first report.
     energy_at_start: Option<EnergyAtStart<S::Powers>>,
     balance: Balance,
@@ -59,6 +60,7 @@ impl<S: System> Recorder<S> {
             begin,
             end: begin + duration,
             next: 0,
+            last: None,
             energy_at_start: None,
             balance: Balance::default(),
             recording: Recording {
@@ -76,12 +78,7 @@ impl<S: System> Recorder<S> {
         let rounding = 1e-9 * self.report_step;
         if t < self.end - rounding {
             Some(t)
-        } else if self
-            .recording
-            .time
-            .last()
-            .is_none_or(|&last| last < self.end)
-        {
+        } else if self.last.is_none_or(|last| last < self.end) {
             Some(self.end)
         } else {
             None
@@ -100,6 +97,12 @@ impl<S: System> Recorder<S> {
 
     pub(crate) fn recording(&self) -> &Recording {
         &self.recording
+    }
+
+    /// Remove the first `count` complete rows, or all of them, and return them; the recording continues.
+    pub(crate) fn take_rows(&mut self, count: usize) -> Recording {
+        self.recording.truncate_to_whole_rows();
+        self.recording.take_front(count)
     }
 
     /// Return all complete rows.
@@ -151,7 +154,7 @@ impl<S: System> Recorder<S> {
             channels: self.recording.channels.iter_mut(),
             peaks: &mut self.peaks,
             time: t,
-            first: self.recording.time.is_empty(),
+            first: self.next == 0,
         };
         system.write_row(&mut row, t, self.groups);
         if S::records_energy(self.groups) {
@@ -180,6 +183,7 @@ impl<S: System> Recorder<S> {
         }
         // The time is written last: a row cut short by a panic does not count.
         self.recording.time.push(t);
+        self.last = Some(t);
         self.next += 1;
     }
 }

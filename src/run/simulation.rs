@@ -160,6 +160,13 @@ impl<S: System> Simulation<S> {
         recorder.into_recording()
     }
 
+    /// Remove the first `count` rows of the active recording, or all of them, and return them; the recording continues as if they were still
+    /// in it.
+    pub fn take_rows(&mut self, count: usize) -> Recording {
+        let recorder = self.recorder.as_mut();
+        recorder.map_or_else(Recording::default, |recorder| recorder.take_rows(count))
+    }
+
     fn describe_balance(&self, open: &OpenBalance) -> String {
         match self.system.energy_remedy() {
             Some(remedy) => describe_open_balance(open, remedy),

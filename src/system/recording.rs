@@ -83,6 +83,26 @@ impl Recording {
         }
     }
 
+    /// Remove the first `count` rows, or all if there are fewer, and return them.
+    pub(crate) fn take_front(&mut self, count: usize) -> Self {
+        let count = count.min(self.time.len());
+        let channels = self.channels.iter_mut().map(|channel| {
+            let numbers = count * channel.row_length();
+            Channel {
+                name: channel.name,
+                row_shape: channel.row_shape.clone(),
+                values: match &mut channel.values {
+                    Values::Real(values) => Values::Real(take_front(values, numbers)),
+                    Values::Whole(values) => Values::Whole(take_front(values, numbers)),
+                },
+            }
+        });
+        Self {
+            channels: channels.collect(),
+            time: take_front(&mut self.time, count),
+        }
+    }
+
     /// Discard the values of an incomplete row.
     pub(crate) fn truncate_to_whole_rows(&mut self) {
         let rows = self.time.len();
@@ -94,6 +114,12 @@ impl Recording {
             }
         }
     }
+}
+
+/// Remove the first `count` values and return them.
+fn take_front<T>(values: &mut Vec<T>, count: usize) -> Vec<T> {
+    let rest = values.split_off(count);
+    std::mem::replace(values, rest)
 }
 
 /// Row under construction: its channels, in the order of their definition.

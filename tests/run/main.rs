@@ -10,4 +10,6 @@ mod energy_meter;
 mod ensemble;
 mod panics;
 mod recorded_groups;
+mod rows_in_pieces;
+mod rows_in_pieces;
 mod state;

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain.errors import InvalidInput
+from rustchain.results.stored import part_of
 from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
@@ -36,10 +37,11 @@ def mean_over_time(time: Array, values: Array) -> Array:
 def between(result: Result, /, start: Time = None, end: Time = None) -> Result:
     """Return the part of the result from `start` to `end` [s], as a result.
 
-    States at ends that were not recorded are NaN. ``stats`` are those of the whole run.
+    States at ends that were not recorded are NaN. ``stats`` are those of the whole run. Of a result
+    in a streamed file, these rows alone are read; the part is in memory.
     """
     rows = rows_between(result, start, end)
-    arrays = {name: values[rows] for name, values in result.arrays.items()}
+    arrays = {name: part_of(result.arrays, name, rows) for name in result.arrays}
     ends = {}
     for name, row, whole in (
         ("initial", rows.start, 0),
@@ -48,7 +50,8 @@ def between(result: Result, /, start: Time = None, end: Time = None) -> Result:
         for quantity in ("positions", "velocities"):
             at_end = getattr(result, f"{name}_{quantity}")
             if row != whole:
-                recorded = result.arrays.get(quantity)
-                at_end = np.full_like(at_end, np.nan) if recorded is None else recorded[row]
+                recorded = arrays.get(quantity)
+                place = row - rows.start
+                at_end = np.full_like(at_end, np.nan) if recorded is None else recorded[place]
             ends[f"{name}_{quantity}"] = at_end
     return replace(result, arrays=arrays, **ends)

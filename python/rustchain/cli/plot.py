@@ -117,6 +117,7 @@ def _figures(result: rc.Result, hinges: str | None) -> dict[str, Callable[[], Fi
         "orbit": lambda: draw.orbit(first, *more),
         "hinge_loads": draw.hinge_loads,
         "tooth_loads": draw.tooth_loads,
+        "polar_tooth_loads": draw.polar_tooth_loads,
         "wrap_loads": draw.wrap_loads,
         "transmission_error": draw.transmission_error,
         "speed_ripple": draw.speed_ripple,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -63,10 +64,13 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="File to write (netCDF); run.nc, where the file has none.")
     ] = None,
+    memory: Annotated[
+        str | None, typer.Option(help="Most memory that rows take; 256 MB by default.")
+    ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a drive and save what it did. Ctrl-C saves what is there.
+    """Run a drive and write its rows to a file while it runs. Ctrl-C keeps what is there.
 
     Options given here replace the values of a drive file.
     """
@@ -92,16 +96,18 @@ def run(
             "energy": energy,
         }
         scene = scene.changed(simulation, solver, _given(reports) | {"progress": output.progress})
+        scene = scene if memory is None else replace(scene, memory=memory)
         path = out or scene.out or Path("run.nc")
         _check_netcdf(path)
         make_room(path)
         try:
-            result = scene.run_simulation(scene.simulate())
-        except rc.SimulationError as error:
-            if error.result is not None:
-                _save(error.result, path, output)
+            result = scene.run_simulation(scene.simulate(), path)
+        except (rc.SimulationError, OSError) as error:
+            found: rc.Result | None = getattr(error, "result", None)
+            if found is not None and len(found.time):
+                _tell(found, path, output)
             raise
-        _save(result, path, output)
+        _tell(result, path, output)
     if result.status == "interrupted":
         raise typer.Exit(INTERRUPTED)
 
@@ -140,9 +146,8 @@ def _check_netcdf(path: Path) -> None:
         )
 
 
-def _save(result: rc.Result, out: Path, output: Output) -> None:
-    """Save a result and print its path."""
-    result.save(out)
+def _tell(result: rc.Result, out: Path, output: Output) -> None:
+    """Print what a run did and the path of its file."""
     stats, span = result.stats, result.time[-1] - result.time[0]
     wall = sum(seconds for name, seconds in stats.items() if name.startswith("wall_"))
     output.say(

@@ -15,6 +15,7 @@ from rustchain.files.writer import text_of_scene
 from rustchain.names import known_keywords
 from rustchain.paths import path_of, write_whole
 from rustchain.results.result import Result
+from rustchain.simulation.pieces import DEFAULT, bytes_of
 from rustchain.simulation.simulation import Simulation
 from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
 
@@ -36,11 +37,14 @@ class SceneFile:
         Keywords of `Simulation.run`.
     out : Path, optional
         Where `rustchain run` writes the result.
+    memory : str or int, optional
+        How much memory its rows then take.
     """
 
     scene: Scene
     run: Mapping[str, Any] = field(default_factory=dict)
     out: Path | None = None
+    memory: str | int | None = None
     _source: Source | None = field(default=None, repr=False, compare=False)
 
     @classmethod
@@ -51,15 +55,15 @@ class SceneFile:
         source, found = read(path_of(path))
         run = dict(found["run"])
         out = run.pop("out", None)
-        return cls(found["scene"], run, out, source)
+        return cls(found["scene"], run, out, run.pop("memory", None), source)
 
     def simulate(self) -> Simulation:
         """Return the simulation, at its start."""
         with self._errors_located("simulation"):
             return Simulation(self.scene)
 
-    def run_simulation(self, simulation: Simulation) -> Result:
-        """Run a simulation for the duration of the file, and record.
+    def run_simulation(self, simulation: Simulation, out: Path | None = None) -> Result:
+        """Run a simulation for the duration of the file, and record, in memory or in a file `out`.
 
         Raises
         ------
@@ -68,13 +72,14 @@ class SceneFile:
         """
         with self._errors_located("run"):
             self._check_duration()
-            return simulation.run(**self.run)
+            return simulation.run(**self.run, out=out, memory=None if out is None else self.memory)
 
     def check_run(self, simulation: Simulation) -> None:
         """Refuse what `run_simulation` would refuse: the run is made as far as its first row."""
         once = {"progress": False, "callback": lambda _: True}
         with self._errors_located("run"):
             self._check_duration()
+            bytes_of(DEFAULT if self.memory is None else self.memory)
             simulation.run(**{**self.run, **once})
 
     def changed(

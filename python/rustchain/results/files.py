@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,7 @@ from rustchain.paths import shown_path
 from rustchain.results import netcdf
 from rustchain.results.channels import OF_MECHANISMS, VARIABLES
 from rustchain.results.result import Result
+from rustchain.results.stored import StoredArrays, header_of, is_streamed
 from rustchain.results.tables import ENDS, FORMAT, JUMPS, array_of
 from rustchain.results.views import Jumps
 
@@ -26,7 +28,11 @@ if TYPE_CHECKING:
 
 @known_keywords
 def load_result(path: str | Path) -> Result:
-    """Return the result that `Result.save` wrote to `path`.
+    """Return the result that `Result.save` or a run with ``out`` wrote to `path`.
+
+    The arrays of a run with ``out`` are read when they are accessed. Such a file can be loaded
+    while the run goes on, and after its process was killed: it then has the rows that were written,
+    and status "interrupted". Where bodies were not recorded, the last state of such a run is NaN.
 
     Python functions of a mechanism are not in the file: those of the scene then raise when called.
 
@@ -39,13 +45,10 @@ def load_result(path: str | Path) -> Result:
         The file holds no result, has the format of another version, or its content does not
         match its checksum.
     """
+    if is_streamed(path):
+        return _streamed(Path(path))
     data = netcdf.read(path)
-    if (found := data.attrs.get("format", "none")) != FORMAT:
-        msg = (
-            f"path = {shown_path(path)}: has format {found}, this rustchain reads {FORMAT}: load "
-            f"it with the one that wrote it, {data.attrs.get('rustchain_version', 'unknown')}"
-        )
-        raise InvalidInput(msg)
+    _check_format(path, data.attrs)
     try:
         scene: Scene = Description.from_json(data.attrs["scene"])
         names = {
@@ -74,6 +77,57 @@ def load_result(path: str | Path) -> Result:
         raise netcdf.damaged(path, error) from error
 
 
+def _check_format(path: object, attributes: Mapping[Any, Any]) -> None:
+    """Refuse the format of another version."""
+    if (found := attributes.get("format", "none")) != FORMAT:
+        msg = (
+            f"path = {shown_path(path)}: has format {found}, this rustchain reads {FORMAT}: load "
+            f"it with the one that wrote it, {attributes.get('rustchain_version', 'unknown')}"
+        )
+        raise InvalidInput(msg)
+
+
+def _streamed(path: Path) -> Result:
+    """Return the result in a streamed file, whose run has ended, goes on, or was killed."""
+    header = header_of(path)
+    about, arrays = header.attributes, header.arrays
+    _check_format(path, about)
+    try:
+        scene: Scene = Description.from_json(about["scene"])
+        body, joint, contact = (
+            tuple(map(str, json.loads(about[f"{part}_names"])))
+            for part in ("body", "joint", "contact")
+        )
+        sizes = {"body": len(body), "joint": len(joint), "contact": len(contact)}
+        arrays.empty = _empty_arrays(scene, sizes, len(arrays["time"]))
+        ends = {}
+        for quantity in ("positions", "velocities"):
+            start = array_of(header.constants, quantity, "initial")
+            start = np.empty((0, 3)) if start is None else start
+            ends[f"initial_{quantity}"] = start
+            last = _last_row(arrays, quantity, start)
+            ends[f"final_{quantity}"] = np.array(header.end[quantity]) if header.end else last
+        jumps = None
+        if JUMPS[0] in header.constants:
+            jumps = (*(header.constants[name] for name in JUMPS),)
+        not_ended = f"the run has not ended; it has rows until t = {arrays['time'][-1]:.6g} s"
+        end = header.end or {"status": "interrupted", "message": not_ended, "stats": {}}
+        return Result(
+            arrays=arrays,
+            scene=scene,
+            body_names=body,
+            joint_names=joint,
+            contact_names=contact,
+            **ends,
+            status=end["status"],
+            message=end["message"],
+            stats=end["stats"],
+            jumps=cast("Jumps | None", jumps),
+        )
+    except Exception as error:  # so does what is damaged within
+        raise netcdf.damaged(path, error) from error
+
+
 def _arrays_of(
     data: xr.Dataset, scene: Scene, sizes: dict[str, int]
 ) -> dict[str, npt.NDArray[Any]]:
@@ -81,14 +135,28 @@ def _arrays_of(
     arrays = {"time": data["time"].values}
     found = {name: array_of(data, name) for name in VARIABLES}
     arrays |= {name: array for name, array in found.items() if array is not None}
+    return arrays | _empty_arrays(scene, sizes, len(arrays["time"]))
+
+
+def _empty_arrays(scene: Scene, sizes: dict[str, int], rows: int) -> dict[str, npt.NDArray[Any]]:
+    """Return the arrays of a mechanism that are empty, which files do not have."""
+    arrays = {}
     if scene.kind == "mechanism":
         sizes = sizes | {"coordinate": 3, "component": 3, "axis": 2}
         for name, v in VARIABLES.items():
-            shape = (len(arrays["time"]), *(sizes.get(d, 1) for d in v.dims))
+            shape = (rows, *(sizes.get(d, 1) for d in v.dims))
             if v.group in ("bodies", *OF_MECHANISMS) and 0 in shape:
                 kind = np.int32 if name in ("contact_gap", "contact_region") else np.float64
                 arrays[name] = np.zeros(shape, kind)
     return arrays
+
+
+def _last_row(arrays: StoredArrays, quantity: str, like: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the last state of the bodies that was recorded; NaN where they were not."""
+    if quantity not in arrays or not like.size:
+        return np.full_like(like, np.nan)
+    row: npt.NDArray[Any] = arrays.part(quantity, slice(-1, None))[0]
+    return row
 
 
 def _jumps_of(data: xr.Dataset) -> Jumps | None:

@@ -18,12 +18,13 @@ _Given = TypeVar("_Given")
 _Made = TypeVar("_Made")
 
 
-_WRITER = "Result.save"
+WRITER = "Result.save or Simulation.run(out=...)"
+"""What writes the files of results."""
 
 
 def write(dataset: xr.Dataset, path: object) -> None:
     """Write a dataset to a file, lightly packed, with a checksum behind it."""
-    image = _beside(_image, dataset)
+    image = beside(_image, dataset)
     checksum = _checksum(image.getbuffer())
     image.seek(0, io.SEEK_END)
     image.write(checksum)
@@ -33,13 +34,13 @@ def write(dataset: xr.Dataset, path: object) -> None:
 def read(path: object) -> xr.Dataset:
     """Return the dataset in a file that `Result.save` wrote."""
     _ = extras.xarray, extras.h5netcdf  # missing, they are no damage to the file
-    content = check_there(path, _WRITER).read_bytes()
+    content = check_there(path, WRITER).read_bytes()
     body = memoryview(content)[: -len(_checksum(b""))]
     # HDF5 does not see a damaged file: it reads some as another content, and fails in many ways.
     if content[len(body) :] != _checksum(body):
         raise damaged(path, "it holds no result that matches its checksum")
     try:
-        return _beside(_dataset, content)
+        return beside(_dataset, content)
     except Exception as error:  # what no file of this package is raises what it likes
         raise damaged(path, error) from error
 
@@ -48,7 +49,7 @@ def damaged(path: object, error: object) -> InvalidInput:
     """Return the error with the reason why a file has no complete result."""
     return InvalidInput(
         f"path = {shown_path(path)}: is no result, or is damaged ({error}): give a file "
-        f"that {_WRITER} wrote, which is netCDF whatever its name, or copy or save it again"
+        f"that {WRITER} wrote, which is netCDF whatever its name, or copy or save it again"
     )
 
 
@@ -57,7 +58,7 @@ def _checksum(body: bytes | memoryview) -> bytes:
     return f"\nrustchain sha256 {hashlib.sha256(body).hexdigest()}\n".encode()
 
 
-def _beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
+def beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
     """Return what `work` makes of `given` in a thread of its own, whose end is waited for.
 
     Python raises KeyboardInterrupt in the main thread only. There h5py's many weak references would

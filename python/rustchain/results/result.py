@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy.typing as npt
 
@@ -17,6 +18,7 @@ from rustchain.names import named_attributes, suggest
 from rustchain.results.channels import OF_MECHANISMS, VARIABLES
 from rustchain.results.exports import Exports
 from rustchain.results.mechanism_views import BodyMotion, ContactHistory, JointHistory
+from rustchain.results.stored import part_of
 from rustchain.results.values import ArrayValue
 from rustchain.results.views import (
     Bushing,
@@ -30,9 +32,6 @@ from rustchain.results.views import (
     Strand,
 )
 from rustchain.typing import Array
-
-if TYPE_CHECKING:
-    pass
 
 Status = Literal["finished", "stopped", "interrupted", "failed"]
 
@@ -49,8 +48,9 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
 
     Attributes
     ----------
-    arrays : dict of ndarray
-        Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units.
+    arrays : mapping of ndarray
+        Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units. Those
+        of a run with ``out`` are read from the file when they are accessed, each time anew.
     scene : Scene
         The simulated scene. `drive`, `hinge_law`, `tooth_law`, `solver` and
         `min_impact_velocity` are its own.
@@ -71,7 +71,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         Of mechanisms, in the order of the arrays.
     """
 
-    arrays: dict[str, npt.NDArray[Any]]
+    arrays: Mapping[str, npt.NDArray[Any]]
     scene: Scene
     body_names: tuple[str, ...]
     initial_positions: Array
@@ -112,8 +112,21 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
 
     def array(self, name: str) -> npt.NDArray[Any]:
         """Return a recorded array by its name in `arrays`, or raise with the remedy."""
+        self._check_recorded(name)
+        return self.arrays[name]
+
+    def _column(self, name: str, place: int) -> npt.NDArray[Any]:
+        """Return a column of a recorded array; of a file, nothing else is read."""
+        self._check_recorded(name)
+        return part_of(self.arrays, name, slice(None), place)
+
+    def _if_recorded(self, name: str, place: int) -> npt.NDArray[Any] | None:
+        return self._column(name, place) if name in self.arrays else None
+
+    def _check_recorded(self, name: str) -> None:
+        """Raise with the remedy where there is no such array."""
         if name in self.arrays:
-            return self.arrays[name]
+            return
         if name not in VARIABLES:
             msg = f"name = {shown(name)}: there is no such array; {suggest(name, self.arrays)}"
             raise NotRecorded(msg)
@@ -138,24 +151,16 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         and the first link; the one between is none.
         """
         k = _position("hinge", number, self.drive.hinge_count)
-        force, vector, penetration, eccentricity = (
-            self.array(f"hinge_{name}")[:, k]
-            for name in ("force", "force_vector", "penetration", "eccentricity")
-        )
-        more = (self.arrays.get(f"hinge_{name}") for name in ("film_force", "onset_speed"))
-        more = (None if array is None else array[:, k] for array in more)
-        return Hinge(self.time, force, vector, penetration, eccentricity, *more)
+        names = ("force", "force_vector", "penetration", "eccentricity")
+        more = (self._if_recorded(f"hinge_{name}", k) for name in ("film_force", "onset_speed"))
+        return Hinge(self.time, *(self._column(f"hinge_{name}", k) for name in names), *more)
 
     def bushing(self, number: int) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""
         k = _position("bushing", number, self.drive.hinge_count)
         names = ("force", "penetration", "sprocket", "index", "region")
-        more = (self.arrays.get(f"tooth_{name}") for name in ("force_vector", "onset_speed"))
-        return Bushing(
-            self.time,
-            *(self.array(f"tooth_{name}")[:, k] for name in names),
-            *(None if array is None else array[:, k] for array in more),
-        )
+        more = (self._if_recorded(f"tooth_{name}", k) for name in ("force_vector", "onset_speed"))
+        return Bushing(self.time, *(self._column(f"tooth_{name}", k) for name in names), *more)
 
     def roller(self, number: int) -> RollerOnBushing:
         """Return roller `number`, on the bushing with the same number, where rollers are bodies."""
@@ -164,13 +169,12 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
             raise NotRecorded(msg)
         k = _position("roller", number, self.drive.hinge_count)
         force, vector, penetration, eccentricity, onset_speed = (
-            self.array(f"roller_{name}")[:, k]
+            self._column(f"roller_{name}", k)
             for name in ("force", "force_vector", "penetration", "eccentricity", "onset_speed")
         )
         body = self.drive.hinge_count + k
         position, velocity = (
-            None if array is None else array[:, body]
-            for array in map(self.arrays.get, ("positions", "velocities"))
+            self._if_recorded(quantity, body) for quantity in ("positions", "velocities")
         )
         return RollerOnBushing(
             self.time, force, vector, penetration, eccentricity, position, velocity, onset_speed
@@ -193,19 +197,19 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
             k = _position("strand", name, len(names))
         else:
             k = _place("strand", name, names)
-        return Strand(self.time, self.array("strand_tension")[:, k])
+        return Strand(self.time, self._column("strand_tension", k))
 
     def sprocket(self, number: int) -> SprocketMotion:
         """Return sprocket `number`; 1 is the driver."""
         k = _position("sprocket", number, len(self.drive.sprockets))
         names = ("angle", "speed", "torque", "center")
-        return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+        return SprocketMotion(self.time, *(self._column(f"sprocket_{name}", k) for name in names))
 
     def end(self, number: int) -> ChainEnd:
         """Return end `number` of an open chain: 1 before its first link, 2 behind its last one."""
         k = _position("end", number, 0 if self.drive.ends is None else 2)
         names = ("force", "position", "velocity")
-        return ChainEnd(self.time, *(self.array(f"end_{name}")[:, k] for name in names))
+        return ChainEnd(self.time, *(self._column(f"end_{name}", k) for name in names))
 
     def guide(self, number: int) -> SprocketMotion:
         """Return guide `number`: angle and place of its bearing, torque on it.
@@ -214,23 +218,23 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         """
         k = _position("guide", number, len(self.drive.guides)) + len(self.drive.sprockets)
         names = ("angle", "speed", "torque", "center")
-        return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+        return SprocketMotion(self.time, *(self._column(f"sprocket_{name}", k) for name in names))
 
     def body(self, name: str) -> BodyMotion:
         """Return a body by its name in `body_names`."""
         k = _place("body", name, self.body_names)
-        rates = self.arrays.get("accelerations")
         return BodyMotion(
             self.time,
-            self.array("positions")[:, k],
-            self.array("velocities")[:, k],
-            None if rates is None else rates[:, k],
+            self._column("positions", k),
+            self._column("velocities", k),
+            self._if_recorded("accelerations", k),
         )
 
     def joint(self, name: str) -> JointHistory:
         """Return a joint or driver of a mechanism by its name in `joint_names`."""
-        reaction = self.array("joint_reaction")
+        self._check_recorded("joint_reaction")
         k = _place("joint", name, self.joint_names)
+        reaction = self._column("joint_reaction", k)
         others = (
             "joint_position_residual",
             "joint_velocity_residual",
@@ -239,16 +243,17 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         )
         return JointHistory(
             self.time,
-            reaction[:, k, :2],
-            reaction[:, k, 2],
-            *(self.array(part)[:, k] for part in others),
+            reaction[:, :2],
+            reaction[:, 2],
+            *(self._column(part, k) for part in others),
         )
 
     def contact(self, name: str) -> ContactHistory:
         """Return a contact of a mechanism by its name in `contact_names`."""
-        force = self.array("contact_force")
+        self._check_recorded("contact_force")
         k = _place("contact", name, self.contact_names)
         names = (
+            "contact_force",
             "contact_penetration",
             "contact_gap",
             "contact_region",
@@ -257,7 +262,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
             "contact_force_vector",
             "contact_impact_velocity",
         )
-        return ContactHistory(self.time, force[:, k], *(self.array(part)[:, k] for part in names))
+        return ContactHistory(self.time, *(self._column(part, k) for part in names))
 
     @property
     def energy(self) -> Energy:

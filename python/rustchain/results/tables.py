@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -19,20 +19,36 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rustchain.results.result import Result
+    from rustchain.results.views import Jumps
 
 FORMAT = 1
 """Number of the format of files; a change of what is in a file and of its names raises it."""
 
 JUMPS = ("jump_time", "jump_sprocket", "jump_direction")
+TIME_ATTRIBUTES = {"units": "s", "long_name": "time"}
 ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_velocities")
 
 
 def dataset_of(result: Result) -> xr.Dataset:
     """Return everything in a result, the scene in the attributes."""
-    from rustchain.extras import xarray as xr
+    there = {name: array for name, array in result.arrays.items() if array.size}
+    variables = variables_of(there, VARIABLES) | ends_of(result, ("initial", "final"))
+    attributes: dict[str, Any] = {
+        "status": result.status,
+        "message": result.message,
+        "stats": json.dumps(result.stats),
+    }
+    if result.jumps is not None:
+        attributes["tooth_jumps"] = len(result.jumps[0])
+        if len(result.jumps[0]):  # files have no empty variables
+            variables |= jumps_of(result.jumps)
+    coordinates = {"time": ("time", result.time, TIME_ATTRIBUTES)} | coordinates_of(result)
+    return dataset(variables, coordinates, attributes_of(result) | attributes)
 
+
+def coordinates_of(result: Result) -> dict[str, Any]:
+    """Return the names and numbers of the parts along each dimension."""
     coordinates: dict[str, Any] = {
-        "time": xr.Variable("time", result.time, {"units": "s", "long_name": "time"}),
         "axis": ["x", "y"],
         "body": list(result.body_names),
         "joint": np.array(result.joint_names, dtype=str),
@@ -47,33 +63,39 @@ def dataset_of(result: Result) -> xr.Dataset:
             "sprocket": np.arange(1, len(drive.sprockets) + len(drive.guides) + 1),
             "strand": list(result.strand_names),
         }
-    there = {name: array for name, array in result.arrays.items() if array.size}
-    variables = variables_of(there, VARIABLES)
+    return coordinates
+
+
+def attributes_of(result: Result) -> dict[str, Any]:
+    """Return what is known of a result before its run: scene, names, format and version."""
+    from rustchain import __version__
+
+    return {
+        "scene": result.scene.to_json(placeholders=True),
+        "joint_names": json.dumps(result.joint_names),
+        "contact_names": json.dumps(result.contact_names),
+        "format": FORMAT,
+        "rustchain_version": __version__,
+        "platform": f"{platform.system()} {platform.machine()}, {instruction_set()}",
+    }
+
+
+def ends_of(result: Result, ends: Sequence[str]) -> dict[str, Any]:
+    """Return the states at the ends of a run, those that have bodies."""
+    found = {}
     for name in ENDS:
         end, quantity = name.split("_")
-        if (values := getattr(result, name)).size:
+        if end in ends and (values := getattr(result, name)).size:
             for part, v, place in VARIABLES[quantity].parts(quantity):
                 attributes = {"units": v.units, "long_name": f"{end} {v.long_name}"}
-                variables[f"{end}_{part}"] = (v.dims, values[:, place], attributes)
-    attributes_of_jumps = {}
-    if result.jumps is not None:
-        attributes_of_jumps["tooth_jumps"] = len(result.jumps[0])
-        if len(result.jumps[0]):  # files have no empty variables
-            for name, values, units in zip(JUMPS, result.jumps, ("s", "1", "1"), strict=True):
-                variables[name] = ("jump", values, {"units": units})
-    return dataset(
-        variables,
-        coordinates,
-        {
-            "scene": result.scene.to_json(placeholders=True),
-            "joint_names": json.dumps(result.joint_names),
-            "contact_names": json.dumps(result.contact_names),
-            "status": result.status,
-            "message": result.message,
-            "stats": json.dumps(result.stats),
-        }
-        | attributes_of_jumps,
-    )
+                found[f"{end}_{part}"] = (v.dims, values[:, place], attributes)
+    return found
+
+
+def jumps_of(jumps: Jumps) -> dict[str, Any]:
+    """Return times, sprockets and directions of tooth jumps."""
+    columns = zip(JUMPS, jumps, ("s", "1", "1"), strict=True)
+    return {name: (("jump",), values, {"units": units}) for name, values, units in columns}
 
 
 def variables_of(
@@ -91,32 +113,34 @@ def variables_of(
     return found
 
 
-def array_of(data: xr.Dataset, name: str, end: str = "") -> npt.NDArray[Any] | None:
-    """Return an array from its parts in a dataset, or None; `end` is "initial" or "final"."""
+def array_of(
+    data: Mapping[Any, Any],
+    name: str,
+    end: str = "",
+    place: Any = ...,  # noqa: ANN401
+) -> npt.NDArray[Any] | None:
+    """Return an array, or a `place` of it, from its parts in a dataset or file; None without it.
+
+    `end` is "initial" or "final".
+    """
     names = [f"{end}_{part}" if end else part for part in PARTS.get(name, (name,))]
     if names[0] not in data:
         return None
-    parts = [data[part].values for part in names]
+    parts = [np.asarray(data[part][place]) for part in names]
     return parts[0] if len(parts) == 1 else np.concatenate([parts[0], parts[1][..., None]], -1)
 
 
 def dataset(
     variables: dict[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
-    """Return a dataset with the coordinates that its variables have, format and version."""
-    from rustchain import __version__
+    """Return a dataset with the coordinates that its variables have."""
     from rustchain.extras import xarray as xr
 
     used = {"time"}.union(*(dims for dims, *_ in variables.values()))
     return xr.Dataset(
         variables,
         {name: values for name, values in coordinates.items() if name in used},
-        {
-            **attributes,
-            "format": FORMAT,
-            "rustchain_version": __version__,
-            "platform": f"{platform.system()} {platform.machine()}, {instruction_set()}",
-        },
+        attributes,
     )
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import plain
@@ -16,12 +16,13 @@ from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene, Start
 from rustchain.description.signals import Signal
 from rustchain.description.solver import Solver
-from rustchain.errors import SimulationError
 from rustchain.names import known_keywords
-from rustchain.results.result import Result, Status
+from rustchain.results.result import Result
 from rustchain.simulation.core import core_of, start_of
 from rustchain.simulation.inputs import Quantity, part_of
+from rustchain.simulation.pieces import rows_of_a_piece
 from rustchain.simulation.present import Present
+from rustchain.simulation.recording import Recording
 from rustchain.simulation.run import (
     WALL_BUDGET,
     Group,
@@ -29,13 +30,8 @@ from rustchain.simulation.run import (
     check_rows_fit,
     known_groups,
     numbers_of_a_row,
-    seconds_bar,
 )
 from rustchain.simulation.stop import StopCondition, looks_of
-from rustchain.typing import Array
-
-if TYPE_CHECKING:
-    from rustchain.simulation.stop import Look
 
 
 @known_keywords(min_approach_speed="min_impact_velocity")
@@ -190,6 +186,8 @@ class Simulation(Present):
         progress: bool = True,
         stop: StopCondition | Sequence[StopCondition] = (),
         callback: Callable[[Simulation], object] | None = None,
+        out: str | Path | None = None,
+        memory: str | int | None = None,
     ) -> Result:
         """Advance the simulation by `duration` and record.
 
@@ -218,11 +216,20 @@ class Simulation(Present):
             Called when a row has been recorded, with the simulation at that time. When it returns
             True, the run stops there. It may read everything and set speeds and torques; it must
             not move the simulation. It does not change the steps.
+        out : str or Path, optional
+            A netCDF file to which the rows are written while the run goes on, for runs of any
+            length; one that is there is replaced when the run begins. Complete blocks of 256 rows
+            are written every two seconds, or when `memory` is full. `load_result` reads the file at
+            any time, also when the process was killed.
+        memory : str or int, optional
+            Of a run with `out`, the most memory that rows take [bytes], such as "256 MB", the
+            default, or "1 GiB". Numbers and steps do not depend on it.
 
         Returns
         -------
         Result
-            After Ctrl-C with status "interrupted" and the rows until then.
+            After Ctrl-C with status "interrupted" and the rows until then. With `out`, its arrays
+            are read from the file when they are accessed.
 
         Raises
         ------
@@ -230,6 +237,9 @@ class Simulation(Present):
             The run cannot continue, or it is too slow. At the mean step size of the last 1e5 steps,
             the rest of the run, at most one second of it, would take more than 1e9 steps.
             ``error.result`` has the rows until then. The same holds for an exception of a callback.
+        OSError
+            `out` cannot be written: before the first step, or because the disc is full, or another
+            run has replaced the file. ``error.result`` has the rows that are in the file.
 
         Warns
         -----
@@ -248,92 +258,24 @@ class Simulation(Present):
         self._check_idle("run")
         groups, energy = known_groups(self.scene, record, energy)
         looks = looks_of(self, stop, callback, groups)
-        start = (self.positions, self.velocities)
         check_progress(progress)
         duration, report_step = plain(duration), plain(report_step)
-        check_rows_fit(duration, report_step, numbers_of_a_row(self, groups, energy))
-        before = self._core.stats()
+        numbers = numbers_of_a_row(self, groups, energy)
+        if out is None:
+            check_rows_fit(duration, report_step, numbers)
+        piece = rows_of_a_piece(out, memory, numbers)
+        recording = Recording(self, (self.positions, self.velocities), self._core.stats())
         self._core.start_recording(duration, report_step, groups, energy)
         self._running = True
         try:
-            if not looks:
-                self._advance(duration, progress)
-            elif (reason := self._advance_until(duration, progress, looks)) is not None:
-                return self._result("stopped", start, before, reason)
-            return self._result("finished", start, before)
-        except KeyboardInterrupt:
-            return self._result("interrupted", start, before)
-        except Exception as error:  # what a callback raised, too
-            told = str(error) if isinstance(error, SimulationError) else repr(error)
-            error.result = self._result("failed", start, before, told)  # type: ignore[attr-defined]
-            raise
+            if out is not None:
+                recording.stream_to(out, piece)
+            return recording.run(duration, progress, looks)
         finally:
             self._running = False
             self._core.take_recording()  # whatever else ended the run
             self._warn()
 
-    def _result(
-        self,
-        status: Status,
-        start: tuple[Array, Array],
-        before: Mapping[str, float],
-        reason: str = "",
-    ) -> Result:
-        """Take the recording, which began at `start` when the statistics stood at `before`."""
-        messages = {
-            "finished": f"reached t = {self.time:.6g} s",
-            "interrupted": f"interrupted at t = {self.time:.6g} s",
-            "stopped": f"stopped at t = {self.time:.6g} s: {reason}",
-            "failed": reason,
-        }
-        arrays = self._core.take_recording()
-        stats = {name: n - before.get(name, 0) for name, n in self._core.stats().items()}
-        if (residual := arrays.get("energy_residual")) is not None and residual.size:
-            # The rows of a run that failed may end in what is no number.
-            stats["largest_residual"] = float(np.nanmax(np.abs(residual), initial=0.0))
-        return Result(
-            arrays=arrays,
-            scene=self.scene,
-            body_names=tuple(self.body_names),
-            joint_names=tuple(self.joint_names),
-            contact_names=tuple(self.contact_names),
-            initial_positions=start[0],
-            initial_velocities=start[1],
-            final_positions=self.positions,
-            final_velocities=self.velocities,
-            status=status,
-            message=messages[status],
-            stats=stats,
-            jumps=self._core.tooth_jumps(),
-        )
-
-    def _advance(self, duration: float, progress: bool) -> None:
-        """Advance to the end of the recording, with a bar of simulated seconds."""
-        start = self.time
-        with seconds_bar(duration, progress) as bar:
-            finished = False
-            while not finished:
-                finished = self._slice()
-                bar.update(self.time - start - bar.n)
-
     def _slice(self) -> bool:
         """Go on with the recording for a moment of wall time; return whether its end is reached."""
         return self._core.advance(WALL_BUDGET)
-
-    def _advance_until(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
-        """Advance from report to report, and return why to stop at one before the end."""
-        start, rows = self.time, 0
-        self._core.pause_at_reports()
-        with seconds_bar(duration, progress) as bar:
-            finished = False
-            while not finished:
-                finished = self._slice()
-                bar.update(self.time - start - bar.n)
-                if self._core.rows == rows:
-                    continue
-                rows = self._core.rows
-                # All of them look: those that wait for something to last must not miss a row.
-                reasons = [reason for look in looks if (reason := look()) is not None]
-                if reasons:
-                    return "; ".join(reasons)
-        return None

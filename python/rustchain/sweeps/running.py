@@ -14,6 +14,7 @@ from rustchain import _rustchain
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.simulation.core import keywords_of, start_of
+from rustchain.simulation.recording import Recording
 from rustchain.simulation.run import (
     WALL_BUDGET,
     Bar,
@@ -133,12 +134,12 @@ def _fetched(
     if run is None:
         return Outcome(error=error, made=False)
     core, start = run
-    simulation = Simulation._around(core, case.scene)
+    recording = Recording(Simulation._around(core, case.scene), start, {})
     if error is None:
-        ended = measured(Outcome(simulation._result("finished", start, {})), measure)
+        ended = measured(Outcome(recording.result("finished")), measure)
     else:
         if isinstance(error, SimulationError):
-            error.result = simulation._result("failed", start, {}, str(error))
+            error.result = recording.result("failed", str(error))
         ended = Outcome(error=error)
     # The energy balance is judged when its recording has been taken.
     return ended._replace(notes=core.take_warnings())

@@ -44,6 +44,13 @@ def test_plot_leaves_the_figures(file, tmp_path):
     assert {"drive.png", "tooth_force.png", "orbit.png", "energy.png"} <= names
 
 
+def test_plot_draws_the_polar_loads_of_the_teeth(tmp_path):
+    rustchain("run", "paper", "--duration", 1e-2, "--out", tmp_path / "run.nc")
+    done = rustchain("plot", tmp_path / "run.nc", "polar_tooth_loads", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "polar_tooth_loads.png").stat().st_size > 10_000
+
+
 def test_plot_leaves_out_what_was_not_recorded(tmp_path):
     path = tmp_path / "run.nc"
     rustchain("run", "paper", "--duration", 1e-3, "--record", "teeth", "--out", path)
@@ -133,11 +140,11 @@ def test_a_short_chain_is_drawn_without_a_word_on_its_hinges(tmp_path):
 
 
 def test_ctrl_c_saves_what_there_is(monkeypatch, tmp_path):
-    def interrupted(self, duration, progress):
+    def interrupted(self):
         self._core.advance(0.0)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(rc.Simulation, "_advance", interrupted)
+    monkeypatch.setattr(rc.Simulation, "_slice", interrupted)
     done = rustchain("run", "paper", "--out", tmp_path / "run.nc")
     assert done.exit_code == 130
     assert rc.load_result(tmp_path / "run.nc").status == "interrupted"

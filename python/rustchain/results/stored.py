@@ -1,0 +1,204 @@
+"""Streamed results as they are read: arrays come from the file when they are accessed."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar, cast
+from weakref import WeakValueDictionary
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import extras
+from rustchain.arguments import plain
+from rustchain.errors import InvalidInput
+from rustchain.paths import check_there, shown_path
+from rustchain.results import netcdf
+from rustchain.results.channels import VARIABLES
+from rustchain.results.tables import JUMPS, array_of
+from rustchain.results.values import read_only
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n\x03"
+"""How a streamed file begins: superblock 3 of HDF5. Files of `Result.save` have superblock 0."""
+
+END = "end"
+"""Name of the group that says how the run ended."""
+
+IDENTITY = "run_id"
+"""Name of the attribute with a random number, by which a file that was replaced is found out."""
+
+_Made = TypeVar("_Made")
+
+
+class Header(NamedTuple):
+    """What a streamed file has beside its rows."""
+
+    attributes: dict[str, Any]
+    arrays: StoredArrays
+    constants: dict[str, npt.NDArray[Any]]
+    end: dict[str, Any] | None
+
+
+def is_streamed(path: object) -> bool:
+    """Return whether the file at `path` was streamed."""
+    with check_there(path, netcdf.WRITER).open("rb") as file:
+        return file.read(len(SIGNATURE)) == SIGNATURE
+
+
+def checksum_of(attributes: Mapping[str, Any]) -> str:
+    """Return the checksum of the attributes of a file, which HDF5 does not check."""
+    own = {name: attributes[name] for name in sorted(attributes) if not name.startswith("_")}
+    own.pop("checksum", None)
+    return hashlib.sha256(json.dumps(own).encode()).hexdigest()
+
+
+def header_of(path: Path) -> Header:
+    """Return all but the rows of a streamed file."""
+
+    def read(file: Any) -> Header:  # noqa: ANN401
+        attributes = {name: plain(value) for name, value in file.attrs.items()}
+        attributes["format"] = attributes["format"][0]  # netCDF has numbers as arrays
+        if attributes.get("checksum") != checksum_of(attributes):
+            msg = "its attributes do not match their checksum"
+            raise ValueError(msg)
+        text = file[END]["text"][:].tobytes()
+        series = {name: file[name] for name in file if _is_series(file[name])}
+        arrays = StoredArrays(path, str(attributes[IDENTITY]), *_rows_of(series))
+        constants = {
+            name: file[name][...]
+            for name in file
+            if name not in series and getattr(file[name], "dtype", np.dtype("O")).kind in "fi"
+        }
+        found = {name: file[name] for name in JUMPS if name in file}
+        complete = min((dataset.shape[0] for dataset in found.values()), default=0)
+        jumps = {name: dataset[:complete] for name, dataset in found.items()}
+        return Header(attributes, arrays, constants | jumps, json.loads(text) if text else None)
+
+    return _opened(path, read)
+
+
+def _is_series(dataset: Any) -> bool:  # noqa: ANN401
+    """Return whether a dataset has a row for each report."""
+    lengths = getattr(dataset, "maxshape", None) or (1,)
+    return lengths[0] is None and not dataset.name.startswith("/jump")
+
+
+def _rows_of(series: Mapping[str, Any]) -> tuple[npt.NDArray[Any], tuple[str, ...]]:
+    """Return the times of the complete rows, and the names of the arrays.
+
+    The datasets of a process that was killed may differ by the piece that it was writing.
+    """
+    rows = min(dataset.shape[0] for dataset in series.values())
+    time = series["time"][:rows]
+    if not rows:
+        msg = "no row has been written yet"
+        raise ValueError(msg)
+    if not np.all(np.isfinite(time)):
+        msg = "its times are no finite numbers"
+        raise ValueError(msg)
+    stays = np.flatnonzero(np.diff(time) <= 0.0)
+    time = time[: stays[0] + 1] if stays.size else time
+    names = [n for n, v in VARIABLES.items() if all(p in series for p, *_ in v.parts(n))]
+    return time, ("time", *names)
+
+
+def _opened(path: Path, read: Callable[[Any], _Made], identity: str | None = None) -> _Made:
+    """Return what `read` makes of the open file."""
+    h5py = extras.h5py  # missing, it is no damage to the file
+    where = check_there(path, netcdf.WRITER)
+
+    def made(path: Path) -> _Made:
+        # As another process may write it, or was killed while it did.
+        with h5py.File(path, "r", swmr=True, locking="best-effort") as file:
+            if identity is not None and file.attrs.get(IDENTITY) != identity:
+                msg = (
+                    f"path = {shown_path(path)}: was replaced by another run since it was loaded; "
+                    "load it again"
+                )
+                raise InvalidInput(msg)
+            return read(file)
+
+    try:
+        return netcdf.beside(made, where)
+    except InvalidInput:
+        raise
+    except Exception as error:  # so does what is damaged within
+        raise netcdf.damaged(path, str(error).splitlines()[0][:200] or repr(error)) from error
+
+
+class StoredArrays(Mapping[str, npt.NDArray[Any]]):
+    """The arrays of a result in a streamed file.
+
+    An array is read when it is accessed, and again when it is accessed after it was let go.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    empty : dict of ndarray
+        Arrays without numbers, which the file does not have.
+    """
+
+    def __init__(
+        self, path: Path, identity: str, time: npt.NDArray[Any], names: tuple[str, ...]
+    ) -> None:
+        self.path = path.absolute()
+        self.empty: dict[str, npt.NDArray[Any]] = {}
+        self._identity, self._names = identity, names
+        self._time = read_only(time)
+        self._read: WeakValueDictionary[str, npt.NDArray[Any]] = WeakValueDictionary()
+
+    def __getitem__(self, name: str) -> npt.NDArray[Any]:
+        """Return all rows of an array."""
+        if name == "time" or name in self.empty:
+            return self.part(name, slice(None))
+        if name not in self._names:
+            raise KeyError(name)
+        found = self._read.get(name)
+        if found is None:
+            self._read[name] = found = self.part(name, slice(None))
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        """Go through the names."""
+        return iter((*self._names, *self.empty))
+
+    def __len__(self) -> int:
+        """Return how many arrays there are."""
+        return len(self._names) + len(self.empty)
+
+    def __contains__(self, name: object) -> bool:
+        """Return whether there is such an array, without reading it."""
+        return name in self._names or name in self.empty
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the name of the file, not its content."""
+        made = (self.path, self._identity, self._time, self._names)
+        return type(self), made, {"empty": self.empty}
+
+    def part(self, name: str, rows: slice, column: int | None = None) -> npt.NDArray[Any]:
+        """Return some rows of an array, or of one of its columns; only they are read."""
+        first, last, _ = rows.indices(len(self._time))
+        place = slice(first, last) if column is None else (slice(first, last), column)
+        there = {"time": self._time} | self.empty
+        if name in there:
+            found = there[name][place]
+        else:
+
+            def read(file: Mapping[str, Any]) -> npt.NDArray[Any] | None:
+                return array_of(file, name, place=place)
+
+            found = _opened(self.path, read, self._identity)
+        return cast("npt.NDArray[Any]", read_only(found))
+
+
+def part_of(
+    arrays: Mapping[str, npt.NDArray[Any]], name: str, rows: slice, column: int | None = None
+) -> npt.NDArray[Any]:
+    """Return some rows of an array, or of one of its columns, wherever the arrays are."""
+    if isinstance(arrays, StoredArrays):
+        return arrays.part(name, rows, column)
+    return arrays[name][rows] if column is None else arrays[name][rows, column]

@@ -1,0 +1,304 @@
+"""Streamed results: netCDF files to which the rows of a run are appended while it goes on.
+
+The files use HDF5's mode for a single writer and multiple readers (SWMR). Metadata is written in an
+order that keeps the file readable at any time, so that a killed process leaves all flushed rows.
+Every number has a checksum: metadata from HDF5's format 3, rows from the filter Fletcher-32.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import struct
+import threading
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import extras
+from rustchain.paths import new_file, path_of, shown_path, unwritable
+from rustchain.results import tables
+from rustchain.results.channels import VARIABLES
+from rustchain.results.stored import END, IDENTITY, checksum_of, header_of
+
+if TYPE_CHECKING:
+    from rustchain.results.result import Result
+    from rustchain.results.views import Jumps
+
+Rows = dict[str, npt.NDArray[Any]]
+
+_JUMPS_OF_A_CHUNK = 256
+_ALL = 2**62
+_SLACK = 2**20  # [bytes] of metadata for one piece: the indices of its chunks, below 100 kB
+_EOF = 28  # place of the address of the end in the superblock of format 3
+
+
+class Stream:
+    """A file that takes the rows of a run in pieces, in a thread of its own.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; one that is there is replaced.
+    result : Result
+        A result without rows: scene, names and the shapes of the channels.
+    chunk : int
+        Rows of a chunk. All pieces but the last have a multiple of it.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Names of the arrays.
+    largest_residual : float
+        Largest residual of the energy balance in the rows so far [J].
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+
+    def __init__(self, path: object, result: Result, chunk: int) -> None:
+        self._result, self._chunk, self._path = result, chunk, path_of(path, "out")
+        self._identity = os.urandom(16).hex()
+        self.channels = tuple(result.arrays)
+        self._rows, self.largest_residual = 0, 0.0
+        self._error: Exception | None = None
+        self._last: Future[None] | None = None
+        self._closed = False
+        self._file: Any = None
+        # Not in the main thread: h5py's weak references would swallow a Ctrl-C.
+        self._thread = ThreadPoolExecutor(1)
+        try:
+            self._thread.submit(self._open).result()
+        except BaseException:
+            self._thread.submit(self._release)
+            self._thread.shutdown()
+            raise
+
+    def append(self, take: Callable[[], Rows], jumps: Callable[[], Jumps | None]) -> None:
+        """Take a piece of rows and write it while the caller goes on.
+
+        The thread takes the rows itself, so that Ctrl-C cannot lose them on their way. The piece
+        before is written first: at most two are in memory.
+
+        Raises
+        ------
+        OSError
+            A piece before this one could not be written.
+        """
+        if self._last is not None:
+            self._last.result()
+        self._check()
+        taken = threading.Event()
+        self._last = self._thread.submit(self._append, take, jumps, taken)
+        taken.wait()
+
+    def finish(
+        self,
+        take: Callable[[int], Rows],
+        jumps: Callable[[], Jumps | None],
+        end: Callable[[float], Mapping[str, Any]],
+    ) -> None:
+        """Write the last piece and how the run ended, and close the file; later calls do nothing.
+
+        `take` gets the number of rows to take at most, `end` the largest residual of the energy
+        balance [J].
+
+        Raises
+        ------
+        OSError
+            A piece could not be written.
+        """
+        self._thread.submit(self._finish, take, jumps, end).result()
+        self._check()
+
+    def arrays(self) -> Mapping[str, npt.NDArray[Any]]:
+        """Return the written rows, read when they are accessed; none from a file that is gone."""
+        if not self._rows or self._is_replaced():
+            return self._result.arrays
+        found = header_of(self._path).arrays
+        empty = {name: a for name, a in self._result.arrays.items() if 0 in a.shape[1:]}
+        found.empty = {n: np.zeros((self._rows, *a.shape[1:]), a.dtype) for n, a in empty.items()}
+        return found
+
+    def _check(self) -> None:
+        if self._error is not None:
+            raise self._error
+
+    def _open(self) -> None:
+        """Make the file with its header, put it in its place, and open it for rows."""
+        h5py = extras.h5py
+        with new_file(self._path, "out") as (part, self._path):
+            self._write_header(part)
+        # Without a cache of chunks: closing one that is not written ends the process when the disc
+        # is full. Pieces have whole chunks, which are written once.
+        self._file = h5py.File(self._path, "r+", libver="v110", rdcc_nbytes=0)
+        self._file.swmr_mode = True
+        self._status = self._path.stat()
+        self._check_ours()
+
+    def _write_header(self, part: Path) -> None:
+        """Write all that is known before the first row."""
+        h5netcdf = extras.h5netcdf
+        result = self._result
+        channels = {n: a for n, a in result.arrays.items() if 0 not in a.shape[1:]}
+        series = tables.variables_of(channels, VARIABLES)
+        series = {"time": (("time",), result.time, tables.TIME_ATTRIBUTES)} | series
+        if result.jumps is not None:
+            series |= tables.jumps_of(result.jumps)
+        constant = tables.ends_of(result, ("initial",))
+        used = {d for dims, *_ in (*series.values(), *constant.values()) for d in dims}
+        for name, values in tables.coordinates_of(result).items():
+            if name in used:
+                constant[name] = ((name,), np.asarray(values), {})
+        attributes = tables.attributes_of(result) | {IDENTITY: self._identity}
+        attributes["body_names"] = json.dumps(result.body_names)
+        attributes["checksum"] = checksum_of(attributes)
+        sizes: dict[str, int | None] = {"time": None, "jump": None}
+        for dims, values, _ in (*constant.values(), *series.values()):
+            for name, size in zip(dims, values.shape, strict=True):
+                sizes.setdefault(name, size)
+        packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
+        with h5netcdf.File(part, "w", libver="v110") as file:
+            file.attrs.update(attributes)
+            file.dimensions = {n: s for n, s in sizes.items() if n in used}
+            for name, (dims, values, notes) in constant.items():
+                if values.dtype.kind == "U":
+                    made = file.create_variable(name, dims, extras.h5py.string_dtype())
+                    made[...] = values.astype(object)
+                else:
+                    checked = {"chunks": values.shape, "fletcher32": True}
+                    made = file.create_variable(name, dims, values.dtype, data=values, **checked)
+                made.attrs.update(notes)
+            for name, (dims, values, notes) in series.items():
+                rows = self._chunk if dims[0] == "time" else _JUMPS_OF_A_CHUNK
+                chunks = (rows, *values.shape[1:])
+                made = file.create_variable(name, dims, values.dtype, chunks=chunks, **packed)
+                made.attrs.update(notes)
+            group = file.create_group(END)
+            group.dimensions = {"byte": None}
+            group.create_variable("text", ("byte",), np.uint8, chunks=(4096,), fletcher32=True)
+
+    def _append(
+        self, take: Callable[[], Rows], jumps: Callable[[], Jumps | None], taken: threading.Event
+    ) -> None:
+        try:
+            rows, found = take(), jumps()
+        except Exception as error:
+            self._error = error
+            return
+        finally:
+            taken.set()
+        self._write(rows, found)
+
+    def _write(self, rows: Rows, jumps: Jumps | None) -> None:
+        """Write a piece, unless one before it failed."""
+        count = len(rows["time"])
+        if self._error is not None:
+            return
+        try:
+            self._check_ours()
+            if jumps is not None:
+                jumps = tuple(part[self._jumps() :] for part in jumps)  # type: ignore[assignment]
+            size = sum(array.nbytes for array in rows.values()) // max(count, 1)
+            self._reserve(size * (count + self._chunk))
+            series = tables.variables_of(rows, VARIABLES)
+            series |= {} if jumps is None else tables.jumps_of(jumps)
+            series["time"] = (("time",), rows["time"], {})  # last: it says how many rows there are
+            for name, (_, values, _) in series.items():
+                if name in self._file and len(values):
+                    self._extend(self._file[name], values)
+            self._file.flush()
+        except Exception as error:
+            self._error = self._told(error)
+            return
+        self._rows += count
+        if (residual := rows.get("energy_residual")) is not None:
+            # The rows of a run that failed may end in what is no number.
+            largest = np.nanmax(np.abs(residual), initial=0.0)
+            self.largest_residual = max(self.largest_residual, float(largest))
+
+    @staticmethod
+    def _extend(dataset: Any, values: npt.NDArray[Any]) -> None:  # noqa: ANN401
+        first = dataset.shape[0]
+        dataset.resize(first + len(values), axis=0)
+        dataset[first:] = np.ascontiguousarray(values)
+
+    def _jumps(self) -> int:
+        """Return how many tooth jumps are in the file."""
+        return int(self._file[tables.JUMPS[0]].shape[0])
+
+    def _check_ours(self) -> None:
+        """Refuse to go on in a file that another run has replaced, or that is gone."""
+        if self._is_replaced():
+            raise OSError(errno.ESTALE, "was replaced or removed while the run wrote it")
+
+    def _is_replaced(self) -> bool:
+        with contextlib.suppress(FileNotFoundError):
+            return not os.path.samestat(self._path.stat(), self._status)
+        return True
+
+    def _reserve(self, size: int) -> None:
+        """Have the disc keep room behind the end of the file, before HDF5 needs it.
+
+        HDF5 is not told of a full disc when it closes a file; see decision 44.
+        """
+        if not hasattr(os, "posix_fallocate"):
+            return
+        with self._path.open("r+b") as file:
+            try:
+                os.posix_fallocate(file.fileno(), self._file.id.get_filesize(), size + _SLACK)
+            except OSError as error:
+                if error.errno in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT):
+                    raise
+
+    def _finish(
+        self,
+        take: Callable[[int], Rows],
+        jumps: Callable[[], Jumps | None],
+        end: Callable[[float], Mapping[str, Any]],
+    ) -> None:
+        if self._closed:
+            return
+        self._write(take(_ALL), jumps())
+        text = json.dumps(end(self.largest_residual)).encode()
+        try:
+            self._check_ours()
+            self._reserve(len(text))
+            self._extend(self._file[f"{END}/text"], np.frombuffer(text, np.uint8))
+            self._file.flush()
+        except Exception as error:
+            self._error = self._error or self._told(error)
+        self._release()
+
+    def _release(self) -> None:
+        """Close the file and give back the room behind its end."""
+        if self._closed or self._file is None:
+            return
+        self._closed = True
+        try:
+            self._file.close()
+            self._check_ours()
+            with self._path.open("r+b") as file:
+                file.seek(_EOF)
+                file.truncate(struct.unpack("<Q", file.read(8))[0])
+                os.fsync(file.fileno())
+        except Exception as error:
+            self._error = self._error or self._told(error)
+
+    def _told(self, error: Exception) -> OSError:
+        """Return an error of the disc or of HDF5 with the file and what is in it."""
+        if not isinstance(error, OSError):
+            error = OSError(errno.EIO, str(error).splitlines()[0])
+        if error.errno == errno.ESTALE:
+            msg = f"out = {shown_path(self._path)}: {error.strerror}; give each run its own file"
+            return OSError(error.errno, msg)
+        told = unwritable(self._path, "out", error)
+        return type(told)(f"{told}; its first {self._rows} rows are in {shown_path(self._path)}")

@@ -1,0 +1,503 @@
+"""Runs that write their rows while they go on: same bits, little memory, nothing lost."""
+
+import json
+import os
+import pickle
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import rustchain as rc
+from rustchain.cli.app import app
+from rustchain.results.stored import is_streamed
+
+ALL_OF_A_DRIVE = ("hinges", "teeth", "sprockets", "bodies", "energy")
+PIECE = "10 MB"  # of the rows of the paper's drive: 256 rows at once
+KILLS = 6
+posix = pytest.mark.skipif(os.name != "posix", reason="POSIX signals and limits")
+
+
+def pendulum():
+    mechanism = rc.Mechanism(name="pendulum")
+    mechanism.add_body("bar", 1.0, 0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "bar", point_b=(-0.5, 0.0))
+    return mechanism
+
+
+SCENES = {
+    "clearance": lambda: rc.Simulation(rc.paper_drive(25.0)),
+    "ideal": lambda: rc.Simulation(rc.paper_drive(25.0, hinges="ideal")),
+    "mechanism": lambda: rc.Simulation(pendulum()),
+}
+RUNS = {
+    "clearance": {"duration": 0.03, "report_step": 4e-5, "record": ALL_OF_A_DRIVE},
+    "ideal": {"duration": 3e-3, "report_step": 1e-5, "record": ALL_OF_A_DRIVE},
+    "mechanism": {"duration": 0.3, "report_step": 1e-4},
+}
+LITTLE = {"clearance": PIECE, "ideal": "2 MB", "mechanism": "100 kB"}
+
+
+def same(one, other):
+    """Check that two results are the same, but for times of the wall."""
+    assert one.arrays.keys() == other.arrays.keys()
+    for name, array in one.arrays.items():
+        np.testing.assert_array_equal(other.arrays[name], array, err_msg=name, strict=True)
+    for name, value in vars(one).items():
+        if name == "stats":
+            value, again = (
+                {n: x for n, x in found.stats.items() if not n.startswith("wall_")}
+                for found in (one, other)
+            )
+            assert again == value
+        elif name == "jumps":
+            assert (other.jumps is None) == (value is None)
+            for column, again in zip(value or (), other.jumps or (), strict=True):
+                np.testing.assert_array_equal(again, column)
+        elif name != "arrays":
+            assert np.array_equal(getattr(other, name), value), name
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_pieces_have_the_bits_of_a_run_in_memory(kind, tmp_path):
+    whole, streamed = SCENES[kind](), SCENES[kind]()
+    result = whole.run(**RUNS[kind], progress=False)
+    out = tmp_path / "run.nc"
+    written = streamed.run(**RUNS[kind], progress=False, out=out, memory=LITTLE[kind])
+    with h5py.File(out) as file:
+        assert file["time"].chunks[0] < len(result.time) / 2
+    same(result, written)
+    same(result, rc.load_result(out))
+    assert streamed.state()["snapshot"] == whole.state()["snapshot"]
+    # What follows is the same, too: the recording has left nothing behind.
+    same(whole.run(1e-3, progress=False), streamed.run(1e-3, progress=False))
+
+
+def test_pieces_of_time_have_the_bits_of_a_run_in_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr("rustchain.simulation.recording._BETWEEN_PIECES", 0.0)
+    result = SCENES["clearance"]().run(**RUNS["clearance"], progress=False)
+    out = tmp_path / "run.nc"
+    same(result, SCENES["clearance"]().run(**RUNS["clearance"], progress=False, out=out))
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_stop_conditions_and_callbacks_see_the_same_rows(kind, tmp_path):
+    def looked(keywords):
+        times = []
+        simulation = SCENES[kind]()
+        end = 0.7 * RUNS[kind]["duration"]
+        result = simulation.run(
+            **RUNS[kind],
+            **keywords,
+            progress=False,
+            stop=[rc.TimeReached(end)],
+            callback=lambda simulation: times.append(simulation.time),
+        )
+        return result, times
+
+    result, times = looked({})
+    streamed, again = looked({"out": tmp_path / "run.nc", "memory": LITTLE[kind]})
+    assert streamed.status == "stopped"
+    assert times == again
+    same(result, streamed)
+
+
+def test_tooth_jumps_are_in_the_file(tmp_path):
+    drive = rc.two_sprocket_drive(links=60, torque=-1.0)
+    moved = rc.Simulation(drive)
+    result = moved.run(2e-3, progress=False, out=tmp_path / "run.nc")
+    assert len(result.tooth_jumps) == 0
+    with h5py.File(tmp_path / "run.nc") as file:
+        assert file["jump_time"].shape == (0,)
+
+
+@pytest.fixture(scope="module")
+def streamed(tmp_path_factory):
+    """A file of a drive, and the same run in memory."""
+    path = tmp_path_factory.mktemp("streamed") / "run.nc"
+    keywords = {"duration": 0.02, "report_step": 2e-5, "record": ALL_OF_A_DRIVE}
+    rc.Simulation(rc.paper_drive(25.0)).run(**keywords, progress=False, out=path, memory=PIECE)
+    return path, rc.Simulation(rc.paper_drive(25.0)).run(**keywords, progress=False)
+
+
+def test_parts_of_a_streamed_result_are_those_of_one_in_memory(streamed):
+    path, result = streamed
+    loaded = rc.load_result(path)
+    assert loaded.groups == result.groups
+    assert loaded.hinge(6) == result.hinge(6)
+    assert loaded.bushing(6) == result.bushing(6)
+    assert loaded.strand("upper") == result.strand("upper")
+    assert loaded.sprocket(2) == result.sprocket(2)
+    assert loaded.body("link_3") == result.body("link_3")
+    assert loaded.energy == result.energy
+    same(result.between(0.005, 0.006), loaded.between(0.005, 0.006))
+    assert loaded.summary() == result.summary()
+    assert loaded == rc.load_result(path)
+    same(result, pickle.loads(pickle.dumps(loaded)))
+
+
+def test_arrays_of_a_streamed_result_are_read_only_and_not_kept(streamed):
+    loaded = rc.load_result(streamed[0])
+    force = loaded.array("hinge_force")
+    with pytest.raises(ValueError, match="read-only"):
+        force[0, 0] = 1.0
+    assert loaded.array("hinge_force") is force  # as long as it is in use
+    del force
+    assert len(loaded.arrays._read) == 0
+    with pytest.raises(rc.NotRecorded, match="no such array"):
+        loaded.array("hinge_forces")
+
+
+def test_a_streamed_file_saved_again_is_a_file_of_save(streamed, tmp_path):
+    path, result = streamed
+    rc.load_result(path).save(tmp_path / "again.nc")
+    assert is_streamed(path)
+    assert not is_streamed(tmp_path / "again.nc")
+    same(result, rc.load_result(tmp_path / "again.nc"))
+
+
+def test_programs_that_read_netcdf_read_a_streamed_file(streamed):
+    path, result = streamed
+    with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+        expected = result.to_xarray()
+        for name in expected.data_vars:
+            if name.startswith("final_"):
+                continue
+            np.testing.assert_array_equal(data[name].values, expected[name].values, err_msg=name)
+            assert data[name].attrs == expected[name].attrs, name
+            assert data[name].dims == expected[name].dims, name
+        assert list(data["body"].values) == list(result.body_names)
+        assert data.encoding["unlimited_dims"] >= {"time"}
+    with h5py.File(path) as file:
+        end = json.loads(file["end/text"][:].tobytes())
+    assert (end["status"], end["message"]) == (result.status, result.message)
+    np.testing.assert_array_equal(end["positions"], result.final_positions)
+
+
+def test_a_file_is_read_while_its_run_goes_on(tmp_path):
+    path = tmp_path / "run.nc"
+    seen = []
+
+    def look(simulation):
+        if simulation.time > 0.02:
+            seen.append(rc.load_result(path))
+            return True
+        return False
+
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False}
+    rc.Simulation(rc.paper_drive()).run(**run, out=path, memory=PIECE, callback=look)
+    (found,) = seen
+    assert found.status == "interrupted"
+    assert "has not ended; it has rows until t = 0.0" in found.message
+    assert np.isnan(found.final_positions).all()
+    result = rc.Simulation(rc.paper_drive()).run(**run)
+    rows = len(found.time)
+    assert rows >= 256
+    for name in result.arrays:
+        if name in found.arrays._names or name == "time":
+            now = rc.load_result(path).arrays[name][:rows]
+            np.testing.assert_array_equal(now, result.arrays[name][:rows], err_msg=name)
+
+
+@pytest.mark.parametrize(
+    ("memory", "told"),
+    [
+        ("lots", r"memory = 'lots': expected a size such as '256 MB'"),
+        ("256", "memory = '256': expected a size"),
+        ("-1 MB", "expected a size"),
+        ("1e3 MB", "expected a size"),
+        (True, "memory = True: expected a size"),
+        (2.5e8, "expected a size"),
+        (0, "memory = 0: expected a size"),
+        (2**70, "expected a size"),
+        ("9" * 400 + " MB", "expected a size"),
+        ("10 kB", r"memory = '10 kB': is too little for rows of \d+ bytes; expected at least \d+"),
+    ],
+)
+def test_what_is_no_memory_is_refused_before_a_file_is_made(memory, told, tmp_path):
+    simulation = rc.Simulation(rc.paper_drive())
+    with pytest.raises(rc.InvalidInput, match=told):
+        simulation.run(1e-3, out=tmp_path / "run.nc", memory=memory, progress=False)
+    assert list(tmp_path.iterdir()) == []
+    assert simulation.time == 0.0
+
+
+@pytest.mark.parametrize(
+    "memory", ["20 MB", "20MB", "0.02 gb", "20 MiB", 20_000_000, np.int64(2e7)]
+)
+def test_memory_is_a_size_or_bytes(memory, tmp_path):
+    run = {"duration": 1e-3, "progress": False, "out": tmp_path / "run.nc"}
+    assert rc.Simulation(rc.paper_drive()).run(**run, memory=memory).success
+
+
+def test_memory_without_a_file_is_refused():
+    with pytest.raises(rc.InvalidInput, match="is for runs with a file; pass out= too"):
+        rc.Simulation(rc.paper_drive()).run(1e-3, memory="1 MB", progress=False)
+
+
+def test_a_path_that_cannot_be_written_is_refused_before_the_first_step(tmp_path):
+    simulation = rc.Simulation(rc.paper_drive())
+    (tmp_path / "file").touch()
+    for path, error in (
+        (tmp_path, IsADirectoryError),
+        (tmp_path / "none" / "run.nc", FileNotFoundError),
+        (tmp_path / "file" / "run.nc", NotADirectoryError),
+    ):
+        with pytest.raises(error, match=r"out = .*cannot be written") as refused:
+            simulation.run(1e-3, out=path, progress=False)
+        assert not hasattr(refused.value, "result")
+    for path in (3, b"run.nc", "a\0b", ""):
+        with pytest.raises(rc.InvalidInput, match="out"):
+            simulation.run(1e-3, out=path, progress=False)
+    assert simulation.time == 0.0
+    assert simulation.run(1e-3, progress=False).success
+
+
+def test_a_run_that_cannot_go_on_leaves_its_rows_in_the_file(tmp_path):
+    def fails(simulation):
+        if simulation.time > 0.015:
+            raise ZeroDivisionError
+
+    path = tmp_path / "run.nc"
+    simulation = rc.Simulation(rc.paper_drive())
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False}
+    with pytest.raises(ZeroDivisionError) as failed:
+        simulation.run(**run, out=path, memory=PIECE, callback=fails)
+    loaded = rc.load_result(path)
+    assert loaded.status == "failed"
+    assert loaded.message == "ZeroDivisionError()"
+    assert loaded.time[-1] == pytest.approx(0.015, abs=1e-4)
+    same(failed.value.result, loaded)
+
+
+def test_a_file_that_another_run_replaced_is_left_to_it(tmp_path):
+    path = tmp_path / "run.nc"
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
+
+    def another(simulation):
+        if not done and simulation.time > 0.015:
+            done.append(rc.Simulation(rc.paper_drive()).run(2e-3, progress=False, out=path))
+
+    done = []
+    with pytest.raises(OSError, match="was replaced or removed while the run wrote it") as failed:
+        rc.Simulation(rc.paper_drive()).run(**run, out=path, callback=another)
+    assert len(failed.value.result.time) == 0
+    same(done[0], rc.load_result(path))
+    before = rc.load_result(path)
+    rc.Simulation(rc.paper_drive()).run(1e-3, progress=False, out=path)
+    with pytest.raises(rc.InvalidInput, match="was replaced by another run since it was loaded"):
+        before.array("hinge_force")
+    path.unlink()
+    with pytest.raises(FileNotFoundError, match=r"run\.nc: there is no such file"):
+        before.array("hinge_force")
+
+
+STREAMS = """
+import sys
+import rustchain as rc
+
+run = rc.Simulation(rc.paper_drive(25.0)).run
+print("begins", flush=True)
+run(20.0, 1e-5, record=("hinges", "teeth", "sprockets", "bodies", "energy"), out=sys.argv[1],
+    memory=sys.argv[2], progress=False)
+"""
+
+
+@posix
+@pytest.mark.slow
+def test_a_killed_run_leaves_all_rows_that_were_written(tmp_path):
+    every = {"report_step": 1e-5, "record": ALL_OF_A_DRIVE, "progress": False}
+    expected = rc.Simulation(rc.paper_drive(25.0)).run(0.2, **every)
+    moment = random.Random(1)
+    lengths = []
+    for number in range(KILLS):
+        path = tmp_path / f"{number}.nc"
+        command = [sys.executable, "-c", STREAMS, str(path), PIECE]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
+            assert child.stdout.readline() == "begins\n"
+            deadline = time.monotonic() + 60.0
+            while time.monotonic() < deadline:  # until there are rows at all
+                if path.exists() and path.stat().st_size > 5e6:
+                    break
+                time.sleep(0.01)
+            time.sleep(moment.uniform(0.0, 0.5))
+            child.kill()
+        assert child.returncode == -signal.SIGKILL
+        loaded = rc.load_result(path)
+        assert loaded.status == "interrupted"
+        rows = len(loaded.time)
+        lengths.append(rows)
+        assert rows >= 256
+        assert rows % 256 == 0
+        both = min(rows, len(expected.time) - 1)  # the last row is at the end of the run
+        for name, array in expected.arrays.items():
+            again = loaded.arrays[name]
+            assert len(again) == rows
+            np.testing.assert_array_equal(again[:both], array[:both], err_msg=name)
+        np.testing.assert_array_equal(loaded.final_positions, loaded.arrays["positions"][-1])
+        path.unlink()
+    assert len(set(lengths)) > 1
+
+
+FILLS = """
+import resource, sys
+import rustchain as rc
+
+if len(sys.argv) > 3:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
+simulation = rc.Simulation(rc.paper_drive(25.0))
+try:
+    simulation.run(20.0, 1e-5, record=("hinges", "teeth", "sprockets", "bodies", "energy"),
+                   out=sys.argv[1], memory=sys.argv[2], progress=False)
+except OSError as error:
+    print(error)
+    print(len(error.result.time), error.result.status)
+simulation.run(1e-3, progress=False)  # it can go on
+"""
+
+
+def check_rows_kept(path, told):
+    """Check what a child said whose disc was full, and that the rows before are in the file."""
+    message, said = told.splitlines()
+    assert f"out = {path}: cannot be written (" in message
+    loaded = rc.load_result(path)
+    rows = len(loaded.time)
+    assert said == f"{rows} failed"
+    assert f"its first {rows} rows are in {path}" in message
+    assert rows >= 256
+    every = {"report_step": 1e-5, "record": ALL_OF_A_DRIVE, "progress": False}
+    expected = rc.Simulation(rc.paper_drive(25.0)).run(1.1e-5 * rows, **every)
+    for name, array in loaded.arrays.items():
+        np.testing.assert_array_equal(array, expected.arrays[name][:rows], err_msg=name)
+
+
+def fill(path, *limit):
+    command = [sys.executable, "-W", "error", "-c", FILLS, str(path), PIECE, *map(str, limit)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@posix
+@pytest.mark.parametrize("limit", [12_345_678, 20_000_000])
+def test_a_limit_of_the_size_of_files_loses_nothing_before(limit, tmp_path):
+    path = tmp_path / "run.nc"
+    done = fill(path, limit)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "File too large" in done.stdout
+    check_rows_kept(path, done.stdout)
+    assert path.stat().st_size <= limit
+
+
+@pytest.fixture
+def disc_of_12_mb(tmp_path):
+    disc = tmp_path / "disc"
+    disc.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", "size=12m", "none", str(disc)]
+    if sys.platform != "linux" or os.geteuid() != 0:
+        pytest.skip("mounting needs root on Linux")
+    if subprocess.run(command, capture_output=True, check=False).returncode != 0:
+        pytest.skip("mounting is not allowed here")
+    yield disc
+    subprocess.run(["umount", str(disc)], check=True)
+
+
+def test_a_full_disc_loses_nothing_before(disc_of_12_mb):
+    path = disc_of_12_mb / "run.nc"
+    done = fill(path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "No space left" in done.stdout
+    check_rows_kept(path, done.stdout)
+
+
+STOPS = """
+import os, signal, sys, threading, time
+import rustchain as rc
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+simulation = rc.Simulation(rc.paper_drive(25.0))
+
+def ring():
+    while not os.path.exists(sys.argv[1]) or os.path.getsize(sys.argv[1]) < 2e6:
+        time.sleep(0.01)
+    time.sleep(float(sys.argv[2]))
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=ring, daemon=True).start()
+result = simulation.run(1000.0, 1e-5, out=sys.argv[1], memory="20 MB", progress=False)
+print(result.status, len(result.time), simulation.time)
+"""
+
+
+@posix
+@pytest.mark.parametrize("after", [0.0, 0.1, 0.37])
+def test_ctrl_c_keeps_every_row(after, tmp_path):
+    path = tmp_path / "run.nc"
+    command = [sys.executable, "-W", "error", "-c", STOPS, str(path), str(after)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    status, rows, now = done.stdout.split()
+    loaded = rc.load_result(path)
+    assert (status, int(rows)) == ("interrupted", len(loaded.time))
+    assert loaded.status == "interrupted"
+    # No gap between pieces, and none at the end.
+    np.testing.assert_allclose(np.diff(loaded.time), 1e-5, rtol=1e-6)
+    assert float(now) - loaded.time[-1] < 1e-4
+    expected = rc.Simulation(rc.paper_drive(25.0)).run(0.01, 1e-5, progress=False)
+    rows = min(len(loaded.time), len(expected.time)) - 1
+    for name, array in expected.arrays.items():
+        np.testing.assert_array_equal(loaded.arrays[name][:rows], array[:rows], err_msg=name)
+
+
+GROWS = """
+import sys
+import rustchain as rc
+
+rc.Simulation(rc.paper_drive(25.0)).run(
+    float(sys.argv[1]), 1e-5, record=("hinges", "teeth", "sprockets", "bodies", "energy"),
+    out=sys.argv[2], memory="64 MB", progress=False)
+print(open("/proc/self/status").read().split("VmHWM:")[1].split()[0])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc of Linux")
+@pytest.mark.slow
+def test_memory_does_not_grow_with_the_duration(tmp_path):
+    peaks = []
+    for duration in (0.5, 1.5):  # 370 MB and 1100 MB of rows
+        command = [sys.executable, "-c", GROWS, str(duration), str(tmp_path / "run.nc")]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        peaks.append(1024 * int(done.stdout))
+    assert max(peaks) < 200e6
+    assert peaks[1] - peaks[0] < 20e6
+
+
+def test_the_command_streams(tmp_path):
+    path = tmp_path / "run.nc"
+    done = CliRunner().invoke(
+        app, ["run", "paper", "--duration", "1e-3", "--out", str(path), "--memory", "20 MB"]
+    )
+    assert done.exit_code == 0, done.output
+    assert is_streamed(path)
+    assert rc.load_result(path).success
+    refused = CliRunner().invoke(app, ["run", "paper", "--out", str(path), "--memory", "much"])
+    assert refused.exit_code == 1
+    assert "memory = 'much': expected a size such as '256 MB'" in refused.output
+
+
+def test_a_file_may_have_the_memory_of_its_run(tmp_path):
+    text = '[drive]\ntype = "paper_drive"\n[run]\nduration = 1e-3\nmemory = "{}"\n'
+    file = tmp_path / "drive.toml"
+    file.write_text(text.format("20 MB"))
+    run = ["run", str(file), "--out", str(tmp_path / "run.nc")]
+    assert CliRunner().invoke(app, run).exit_code == 0
+    file.write_text(text.format("much"))
+    for command in (run, ["check", str(file)]):
+        done = CliRunner().invoke(app, command)
+        assert done.exit_code == 1
+        assert "memory = 'much': expected a size" in done.output

@@ -1,0 +1,63 @@
+//! Rows that are taken during a recording: the same as those of a recording that is taken at its end.
+
+use std::time::Duration;
+
+use crate::common::{control, paper_drive, record, simulation};
+use rustchain::{ForceLaws, Groups, Recording, Simulation};
+
+const ALL: Groups = Groups {
+    hinges: true,
+    teeth: true,
+    sprockets: true,
+    bodies: true,
+    energy: true,
+};
+const RUN: (f64, f64) = (2.05e-3, 1e-4);
+
+fn fresh() -> Simulation {
+    simulation(&paper_drive(), &ForceLaws::default(), control(1e-6))
+}
+
+#[test]
+fn pieces_join_to_the_recording() {
+    let mut whole = fresh();
+    let expected = record(&mut whole, RUN.0, RUN.1, ALL);
+    let mut pieces = fresh();
+    pieces.start_recording(RUN.0, RUN.1, ALL);
+    pieces.pause_at_reports();
+    let mut found: Vec<Recording> = Vec::new();
+    let mut reports = 0;
+    while !pieces.record(Duration::MAX).unwrap() {
+        reports += 1;
+        match reports % 4 {
+            0 => found.push(pieces.take_rows(3)),
+            2 => found.push(pieces.take_rows(usize::MAX)),
+            _ => {}
+        }
+    }
+    found.push(pieces.take_recording());
+    let time: Vec<f64> = found.iter().flat_map(|piece| piece.time.clone()).collect();
+    assert_eq!(time, expected.time);
+    for channel in &expected.channels {
+        let name = channel.name;
+        let real: Vec<f64> = found
+            .iter()
+            .flat_map(|piece| piece.real(name))
+            .copied()
+            .collect();
+        let whole: Vec<i32> = found
+            .iter()
+            .flat_map(|piece| piece.whole(name))
+            .copied()
+            .collect();
+        assert_eq!(real, expected.real(name), "{name}");
+        assert_eq!(whole, expected.whole(name), "{name}");
+    }
+    assert_eq!(pieces.balance_note(), whole.balance_note());
+    assert!(pieces.snapshot().to_bytes().unwrap() == whole.snapshot().to_bytes().unwrap());
+}
+
+#[test]
+fn without_a_recording_there_are_no_rows() {
+    assert_eq!(fresh().take_rows(usize::MAX), Recording::default());
+}
