@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import functools
 import inspect
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any
 
 from scipy import stats
@@ -148,6 +150,7 @@ class Scenes:
     """A drive, a mechanism and what their runs gave, made once."""
 
     def __init__(self) -> None:
+        self.folder = tempfile.TemporaryDirectory()  # removed with this object
         idler = rc.SmoothIdler(0.02, (0.05, -0.2))
         self.drive = rc.chain_drive(
             "ANSI 40",
@@ -384,6 +387,10 @@ def _simulations() -> Iterator[Target]:
                 "Simulation.set_state", simulation.set_state, simulation.set_state, **state
             )
             yield _target("Simulation.run", simulation.run, simulation.run, **run)
+            to_file = functools.partial(simulation.run, out=Path(shared.folder.name) / "run.nc")
+            yield _target(
+                "Simulation.run to a file", to_file, simulation.run, **run, memory="20 MB"
+            )
             place = {"positions": simulation.positions, "velocities": simulation.velocities}
             yield _target(
                 "Simulation.evaluate", simulation.evaluate, simulation.evaluate, **place, time=0.0

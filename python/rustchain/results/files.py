@@ -31,7 +31,7 @@ def load_result(path: str | Path) -> Result:
     """Return the result that `Result.save` or a run with ``out`` wrote to `path`.
 
     The arrays of a run with ``out`` are read when they are accessed. Such a file can be loaded
-    while the run goes on, and after its process was killed: it then has the rows that were written,
+    during the run, and after its process was killed: it then has the rows that were written,
     and status "interrupted". Where bodies were not recorded, the last state of such a run is NaN.
 
     Python functions of a mechanism are not in the file: those of the scene then raise when called.
@@ -88,7 +88,7 @@ def _check_format(path: object, attributes: Mapping[Any, Any]) -> None:
 
 
 def _streamed(path: Path) -> Result:
-    """Return the result in a streamed file, whose run has ended, goes on, or was killed."""
+    """Return the result in a streamed file, of a run that has ended, continues, or was killed."""
     header = header_of(path)
     about, arrays = header.attributes, header.arrays
     _check_format(path, about)

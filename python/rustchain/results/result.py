@@ -50,7 +50,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
     ----------
     arrays : mapping of ndarray
         Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units. Those
-        of a run with ``out`` are read from the file when they are accessed, each time anew.
+        of a run with ``out`` are read from the file when they are accessed.
     scene : Scene
         The simulated scene. `drive`, `hinge_law`, `tooth_law`, `solver` and
         `min_impact_velocity` are its own.

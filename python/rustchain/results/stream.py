@@ -1,4 +1,4 @@
-"""Streamed results: netCDF files to which the rows of a run are appended while it goes on.
+"""Streamed results: netCDF files to which the rows of a run are appended during the run.
 
 The files use HDF5's mode for a single writer and multiple readers (SWMR). Metadata is written in an
 order that keeps the file readable at any time, so that a killed process leaves all flushed rows.
@@ -83,7 +83,7 @@ class Stream:
             raise
 
     def append(self, take: Callable[[], Rows], jumps: Callable[[], Jumps | None]) -> None:
-        """Take a piece of rows and write it while the caller goes on.
+        """Take a piece of rows and write it during the run.
 
         The thread takes the rows itself, so that Ctrl-C cannot lose them on their way. The piece
         before is written first: at most two are in memory.

@@ -1,4 +1,4 @@
-"""The memory of a run whose rows are written to a file while it goes on."""
+"""The memory of a run whose rows are written to a file during the run."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ class Recording:
         self._piece, self._written = Piece(1, 1), 0.0
 
     def stream_to(self, out: str | Path, piece: Piece) -> None:
-        """Have the rows written to a file while the run goes on."""
+        """Have the rows written to a file during the run."""
         from rustchain.results.stream import Stream  # with threads, which nothing else needs
 
         self._piece, self._written = piece, time.monotonic()

@@ -217,7 +217,7 @@ class Simulation(Present):
             True, the run stops there. It may read everything and set speeds and torques; it must
             not move the simulation. It does not change the steps.
         out : str or Path, optional
-            A netCDF file to which the rows are written while the run goes on, for runs of any
+            A netCDF file to which the rows are written during the run, for runs of any
             length; one that is there is replaced when the run begins. Complete blocks of 256 rows
             are written every two seconds, or when `memory` is full. `load_result` reads the file at
             any time, also when the process was killed.
