@@ -11,5 +11,4 @@ mod ensemble;
 mod panics;
 mod recorded_groups;
 mod rows_in_pieces;
-mod rows_in_pieces;
 mod state;
