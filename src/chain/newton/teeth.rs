@@ -168,7 +168,7 @@ impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
         let mut corner = [[PartialSums::default(); MOST]; MOST];
         for run in &self.candidates.runs {
             let blocks = run.length.div_ceil(S::F64_LANES);
-            let bushing = both::<S>(self.bushing, run.first, blocks);
+            let [x, y] = both::<S>(self.bushing, run.first, blocks);
             let ToothTerms {
                 held: [xx, yy, xy],
                 spun,
@@ -188,14 +188,14 @@ impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
             };
             let slopes = &self.slopes.normal[run.slot / WIDTH..];
             let friction = &self.slopes.friction[if RUBBED { run.slot / WIDTH } else { 0 }..];
-            for b in 0..blocks {
+            for (b, (x, y)) in x.iter().zip(y).enumerate() {
                 let number = b * S::F64_LANES / WIDTH;
                 let (slopes, part) = (&slopes[number], b % (WIDTH / S::F64_LANES));
                 let force = slopes.force.at(simd, part);
                 if !force.exceeds(zero).any() {
                     continue;
                 }
-                let center = [load(simd, &bushing[0][b]), load(simd, &bushing[1][b])];
+                let center = [load(simd, x), load(simd, y)];
                 let friction = RUBBED.then(|| friction[number].slope.at(simd, part));
                 let tooth = self.tooth(center, force, (slopes, part), friction);
                 let group = run.first + number * WIDTH;

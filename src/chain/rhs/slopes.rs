@@ -65,7 +65,7 @@ impl ContactSlopes {
     }
 
     /// Return the groups from `slot` on; those of friction are empty where there are none.
-    pub(crate) fn from_slot(&mut self, slot: usize) -> (&mut [SlopeGroup], &mut [FrictionGroup]) {
+    pub(crate) fn at_slot(&mut self, slot: usize) -> (&mut [SlopeGroup], &mut [FrictionGroup]) {
         let first = slot / WIDTH;
         let friction = self.friction.get_mut(first..).unwrap_or_default();
         (&mut self.normal[first..], friction)

@@ -116,7 +116,7 @@ impl<
         blocks: usize,
     ) -> (Self, [&'a [f64]; 2]) {
         let splat = |value| Lanes::splat(simd, value);
-        let (slopes, friction_slopes) = joints.slopes.map(|slopes| slopes.from_slot(0)).unzip();
+        let (slopes, friction_slopes) = joints.slopes.map(|slopes| slopes.at_slot(0)).unzip();
         let mut hinges = Self {
             law: PhantomData,
             pair: splat_two(simd, joints.pair),

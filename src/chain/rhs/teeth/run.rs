@@ -59,7 +59,7 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             slot,
         } = candidates.runs[number];
         let blocks = length.div_ceil(S::F64_LANES);
-        let (slopes, friction_slopes) = slopes.map(|slopes| slopes.from_slot(slot)).unzip();
+        let (slopes, friction_slopes) = slopes.map(|slopes| slopes.at_slot(slot)).unzip();
         let mut rubbed = RubbedRun::<S> {
             spin: &[],
             moments: [&mut [], &mut []],
