@@ -6,7 +6,7 @@ use super::blocks::{Block, Pair, Symmetric};
 use super::bores::BoreFriction;
 use super::spatial::{Spatial, transposed_times};
 use crate::chain::model::Model;
-use crate::math::simd::{Lanes, Octet, load, read, write};
+use crate::math::simd::{Entries, Lanes, Octet, load, read, write};
 
 /// Eight rollers.
 #[derive(Debug, Clone, Copy)]
@@ -189,5 +189,25 @@ impl<S: Simd> OnTeeth<'_, S> {
         }
         write(&mut group.inverse, part, inverse.0);
         write(&mut group.follow, part, follow);
+    }
+}
+
+/// Residuals of the rollers times mass and moment of inertia.
+pub(super) struct Residual<'a, S: Simd> {
+    pub(super) inertias: [Lanes<S>; 2],
+    pub(super) axes: [Entries<'a, S>; 3],
+}
+
+impl<S: Simd> Residual<'_, S> {
+    /// Return those of vector `i`; without `RUBBED`, that of θ is zero.
+    #[inline(always)]
+    pub(super) fn at<const RUBBED: bool>(&self, i: usize) -> [Lanes<S>; 3] {
+        let ([mass, inertia], [x, y, turn]) = (self.inertias, &self.axes);
+        let turn = if RUBBED {
+            inertia * turn.at(i)
+        } else {
+            mass.constant(0.0)
+        };
+        [mass * x.at(i), mass * y.at(i), turn]
     }
 }

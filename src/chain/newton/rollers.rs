@@ -13,7 +13,7 @@ use super::border::Corner;
 use super::bores::{BoreFriction, bore};
 use super::contacts::BASE;
 use super::links::{Border, LinkTerms};
-use super::roller_group::{OnTeeth, RollerGroup};
+use super::roller_group::{OnTeeth, Residual, RollerGroup};
 use super::teeth::ToothTerms;
 use crate::chain::model::{Model, RollerModel};
 use crate::chain::rhs::slopes::ContactSlopes;
@@ -312,26 +312,6 @@ impl RollerTerms {
                 *own = moved.negate_mul_add(solved, *own);
             }
         }
-    }
-}
-
-/// Residuals of the rollers times mass and moment of inertia.
-struct Residual<'a, S: Simd> {
-    inertias: [Lanes<S>; 2],
-    axes: [Entries<'a, S>; 3],
-}
-
-impl<S: Simd> Residual<'_, S> {
-    /// Return those of vector `i`; without `RUBBED`, that of θ is zero.
-    #[inline(always)]
-    fn at<const RUBBED: bool>(&self, i: usize) -> [Lanes<S>; 3] {
-        let ([mass, inertia], [x, y, turn]) = (self.inertias, &self.axes);
-        let turn = if RUBBED {
-            inertia * turn.at(i)
-        } else {
-            mass.constant(0.0)
-        };
-        [mass * x.at(i), mass * y.at(i), turn]
     }
 }
 
