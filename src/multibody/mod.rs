@@ -10,6 +10,7 @@ pub(crate) mod contact;
 pub(crate) mod description;
 pub(crate) mod dynamics;
 pub(crate) mod forces;
+mod frames;
 pub(crate) mod from_drive;
 mod inputs;
 pub(crate) mod model;

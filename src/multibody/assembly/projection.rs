@@ -97,7 +97,12 @@ impl MechanismDynamics {
         let n = self.model.coordinates();
         let [mut residual, mut change] = std::mem::take(&mut self.projecting);
         if at_hand != AtHand::Everything {
-            self.place(state);
+            if at_hand == AtHand::Nothing {
+                self.place(state);
+            } else {
+                // The frames are those of the state of the factors.
+                self.place_nearby(state);
+            }
             self.find_rows(t);
         }
         let (size, mut done) = (self.size(), false);
@@ -128,7 +133,7 @@ impl MechanismDynamics {
                 .zip(&change)
                 .for_each(|(q, c)| *q += c);
             held.fresh = false;
-            self.place(state);
+            self.place_nearby(state);
             self.find_rows(t);
         }
         if done {
@@ -200,7 +205,10 @@ impl MechanismDynamics {
                 *r = row.rate(&self.frames);
             }
             let worst = largest(residual.iter().copied());
-            if worst <= round_off || worst >= before {
+            if worst <= round_off {
+                return true;
+            }
+            if worst >= before {
                 break;
             }
             if !held.fresh && worst > SLOW * before && worst > TELLING * round_off {

@@ -181,23 +181,49 @@ impl Pair {
         by_place: f64,
         block: &mut Block,
     ) {
-        let first: [Vec2; 6] = std::array::from_fn(|k| self.first(k));
-        for l in 0..6 {
-            // Derivative of the relative velocity with respect to the coordinate.
-            let turning: Vec2 = if self.seen_from_a {
-                (0..6).map(|j| self.v[j] * self.second(j, l)).sum()
-            } else {
-                self.rate_by(l)
-            };
-            let with_velocity = force.by_velocity * first[l];
-            let with_place = force.by_place * first[l] + force.by_velocity * turning;
-            let change = by_velocity * with_velocity + by_place * with_place;
-            for k in 0..6 {
-                block[k][l] += first[k].dot(&change);
-                if by_place != 0.0 && (ANGLES.contains(&k) || ANGLES.contains(&l)) {
-                    block[k][l] += by_place * force.force.dot(&self.second(k, l));
+        let [turn_a, turn_b] = ANGLES.map(|k| self.first(k));
+        // Change of the force by one coordinate. The columns of the two points' displacements differ in their signs.
+        let change = |l: usize, first: Vec2| {
+            let turning = self.turning(l);
+            let with_velocity = force.by_velocity * first;
+            let with_place = force.by_place * first + force.by_velocity * turning;
+            by_velocity * with_velocity + by_place * with_place
+        };
+        let [x, y] = [3, 4].map(|l| change(l, self.first(l)));
+        let columns = [-x, -y, change(2, turn_a), x, y, change(5, turn_b)];
+        for (l, column) in columns.iter().enumerate() {
+            block[0][l] -= column.x;
+            block[1][l] -= column.y;
+            block[2][l] += turn_a.dot(column);
+            block[3][l] += column.x;
+            block[4][l] += column.y;
+            block[5][l] += turn_b.dot(column);
+        }
+        if by_place == 0.0 {
+            return;
+        }
+        let along = by_place * force.force;
+        for k in ANGLES {
+            for l in 0..6 {
+                let bend = along.dot(&self.second(k, l));
+                block[k][l] += bend;
+                if !ANGLES.contains(&l) {
+                    block[l][k] += bend;
                 }
             }
+        }
+    }
+
+    /// Return the derivative of the relative velocity with respect to a coordinate.
+    fn turning(&self, l: usize) -> Vec2 {
+        if !self.seen_from_a {
+            return self.rate_by(l);
+        }
+        // ∂²d/∂q² of two coordinates vanishes without an angle.
+        if ANGLES.contains(&l) {
+            (0..6).map(|j| self.v[j] * self.second(j, l)).sum()
+        } else {
+            ANGLES.map(|j| self.v[j] * self.second(j, l)).iter().sum()
         }
     }
 }

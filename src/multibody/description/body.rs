@@ -105,6 +105,9 @@ pub(crate) struct End {
     pub(crate) point: Vec2,
 }
 
+/// Largest rotation of [`Frame::moved`] without trigonometric functions \[rad\]; its cube is below rounding.
+const SMALL_TURN: f64 = 1e-6;
+
 /// Position and velocity of a body at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frame {
@@ -131,6 +134,23 @@ impl Frame {
         }
     }
 
+    /// Return the frame at a position and velocity nearby. Small rotations take no trigonometric functions.
+    pub(crate) fn moved(&self, position: [f64; 3], velocity: [f64; 3]) -> Self {
+        let turn = position[2] - self.angle;
+        if turn.abs() > SMALL_TURN {
+            return Self::new(position, velocity);
+        }
+        let left = turned_left(self.direction);
+        Self {
+            origin: Vec2::new(position[0], position[1]),
+            angle: position[2],
+            // Cosine and sine of the rotation to second order.
+            direction: self.direction + turn * (left - 0.5 * turn * self.direction),
+            velocity: Vec2::new(velocity[0], velocity[1]),
+            spin: velocity[2],
+        }
+    }
+
     /// Transform a vector of the body's frame into the ground's frame.
     pub(crate) fn turned(&self, local: Vec2) -> Vec2 {
         local.x * self.direction + local.y * turned_left(self.direction)
@@ -152,5 +172,25 @@ impl Frame {
     /// Return the velocity of the body's material point at `place` \[m/s\].
     pub(crate) fn velocity_at(&self, place: Vec2) -> Vec2 {
         self.velocity + self.spin * turned_left(place - self.origin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_moved_by_a_small_rotation_is_that_of_the_angle() {
+        let frame = Frame::new([0.1, 0.2, 0.7], [1.0, 2.0, 3.0]);
+        for turn in [0.0, 1e-12, -3e-9, 9.9e-7, -1e-6, 2e-6, 0.4] {
+            let (position, velocity) = ([0.3, -0.1, 0.7 + turn], [0.5, 0.4, -2.0]);
+            let (moved, exact) = (
+                frame.moved(position, velocity),
+                Frame::new(position, velocity),
+            );
+            assert!((moved.direction - exact.direction).norm() < 4e-16, "{turn}");
+            assert_eq!(moved.origin, exact.origin);
+            assert_eq!((moved.velocity, moved.spin), (exact.velocity, exact.spin));
+        }
     }
 }

@@ -21,7 +21,10 @@ impl MechanismDynamics {
         };
         for (i, equation) in self.model.equations.iter().enumerate() {
             let row = &self.rows[i];
-            let mut across = row.jacobian.map(|part| part.map(|j| (1.0 + pulled) * j));
+            let mut across = row.jacobian;
+            if pulled != 0.0 {
+                across.iter_mut().flatten().for_each(|j| *j *= 1.0 + pulled);
+            }
             let (pair_places, row_places) = &matrix.joints[i];
             let saddle = &mut matrix.saddle;
             let weight = gamma * gamma * self.multipliers[i];

@@ -22,7 +22,7 @@ const STEPS_PER_CHECK: u64 = 16;
 /// interpolated is 0.03.
 ///
 /// Doubled: fewer factorisations where steps are long.
-const TURNED: f64 = 0.01;
+const TURNED: f64 = 0.02;
 
 /// Reaction forces and accelerations at the end of the last step, from which those of the next step are corrected.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
