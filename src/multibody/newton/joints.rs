@@ -10,6 +10,13 @@ use crate::multibody::forces::force_slopes::add_twist;
 /// above that of the factors.
 const SOFT: f64 = 1e-11;
 
+/// Rotation 2 γ ω of the fastest body \[rad\] up to which the change of the rows of points along the correction is omitted, where
+/// multipliers are unknowns of Newton's method.
+///
+/// The error of a correction is this part of it, across the constraints, where the projection removes it. With the rows of one state the
+/// factors serve the projection without iterations.
+const LITTLE_TURN: f64 = 0.01;
+
 impl MechanismDynamics {
     /// Add the constraints: their rows and columns, and γ² Σ λ ∂²c/∂q² (see the equations of the matrix).
     pub(super) fn linearise_joints(&self, matrix: &mut ImplicitMatrix, gamma: f64) {
@@ -19,6 +26,9 @@ impl MechanismDynamics {
             Stabilisation::Baumgarte(w) => 2.0 * w * gamma + (w * gamma).powi(2),
             Stabilisation::Projection => 0.0,
         };
+        let spins = self.frames.iter().map(|frame| frame.spin.abs());
+        let turn = 2.0 * gamma * spins.fold(0.0, f64::max);
+        let rows_change = !(self.stage.active && turn <= LITTLE_TURN);
         for (i, equation) in self.model.equations.iter().enumerate() {
             let row = &self.rows[i];
             let mut across = row.jacobian;
@@ -32,7 +42,7 @@ impl MechanismDynamics {
                 // Only the angles enter non-linearly, each by itself.
                 let bends = self.bends_of_point(equation, row, axis, gamma);
                 for (k, [second, change]) in bends.into_iter().enumerate() {
-                    across[k][2] += change;
+                    across[k][2] += if rows_change { change } else { 0.0 };
                     saddle.add_entry(pair_places[3 * k], 2, 2, weight * second);
                 }
             } else if let Some(block) = self.bend(equation, gamma, &mut across) {
