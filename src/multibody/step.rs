@@ -80,7 +80,7 @@ impl MechanismDynamics {
             (false, _) => AtHand::Everything,
         };
         self.project_end(adams, at_hand)?;
-        self.keep_reactions(at_hand != AtHand::Corrector);
+        self.keep_reactions(length, at_hand != AtHand::Corrector);
         Ok(())
     }
 

@@ -24,6 +24,12 @@ const STEPS_PER_CHECK: u64 = 16;
 /// Doubled: fewer factorisations where steps are long.
 const TURNED: f64 = 0.02;
 
+/// Change of the independence until the end of the next step, over the rotation in the last step: steps at most double, and the
+/// independence changes by about twice the rotation near a singular position.
+///
+/// Doubled: evaluations solve for the multipliers at steps half as long.
+const GROWTH: f64 = 4.0;
+
 /// Reaction forces and accelerations at the end of the last step, from which those of the next step are corrected.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct StepReactions {
@@ -77,22 +83,34 @@ impl MechanismDynamics {
         }
     }
 
+    /// Return the largest rotation of a body in the last step, of `length` \[s\].
+    fn turned(&self, length: f64) -> f64 {
+        let spins = self.frames.iter().map(|frame| frame.spin.abs());
+        length * spins.fold(0.0, f64::max)
+    }
+
     /// Return whether the independence of the constraints is to be measured at the end of the last step, of `length` \[s\] and with this
     /// number.
     pub(crate) fn is_nearness_due(&self, length: f64, number: u64) -> bool {
-        let spins = self.frames.iter().map(|frame| frame.spin.abs());
-        let turned = length * spins.fold(0.0, f64::max);
-        let seldom = turned * STEPS_PER_CHECK as f64 <= TURNED;
+        let seldom = self.turned(length) * STEPS_PER_CHECK as f64 <= TURNED;
         !seldom || number.is_multiple_of(STEPS_PER_CHECK)
     }
 
-    /// Keep the reactions of the step that was just made, after its projection, which has `measured` the independence of the constraints.
-    pub(crate) fn keep_reactions(&mut self, measured: bool) {
-        let regular = !measured && self.reactions.regular
-            || self.kkt.as_ref().is_some_and(|kkt| {
-                kkt.rank() == self.rows.len()
-                    && kkt.independence() > WELL_CONDITIONED * self.near_singular
-            });
+    /// Keep the reactions of the step that was just made, of `length` \[s\], after its projection, which has `measured` the independence of
+    /// the constraints.
+    pub(crate) fn keep_reactions(&mut self, length: f64, measured: bool) {
+        // No singular position may be reached before the next measurement.
+        let reached = TURNED.max(GROWTH * self.turned(length));
+        let least = WELL_CONDITIONED * self.near_singular + reached;
+        let independent = self
+            .kkt
+            .as_ref()
+            .is_some_and(|kkt| kkt.rank() == self.rows.len() && kkt.independence() > least);
+        let regular = if measured {
+            independent
+        } else {
+            self.reactions.regular
+        };
         let kept = &mut self.reactions;
         kept.multipliers.clone_from(&self.multipliers);
         kept.accelerations.clone_from(&self.accelerations);
