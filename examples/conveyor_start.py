@@ -17,6 +17,7 @@ does not.
 """
 
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,7 +28,7 @@ import rustchain as rc
 
 DURATION, SHARES = 0.08, (0.01, 0.35, 0.65, 1.0, 1.5, 2.0)  # [s]; ramps over the natural period
 NEAR, FAR = 40, 140  # pitches from the motor at which the wave is timed
-scene = rc.load_scene(Path(__file__).with_name("conveyor_start.toml"))
+scene = rc.load_scene(Path(sys.argv[0]).with_name("conveyor_start.toml"))
 drive = scene.system
 chain = drive.chain
 motor, tail = drive.sprockets

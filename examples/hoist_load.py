@@ -18,6 +18,7 @@ spares the hoist the vibration, a longer one the force.
 """
 
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,7 +29,7 @@ import rustchain as rc
 
 DURATION = 0.3  # [s]
 GRAVITY = 9.81  # [m/s^2]
-scene = rc.load_scene(Path(__file__).with_name("hoist_load.toml"))
+scene = rc.load_scene(Path(sys.argv[0]).with_name("hoist_load.toml"))
 drive = scene.system
 chain = drive.chain
 (wheel,) = drive.sprockets

@@ -16,6 +16,7 @@ sprocket have 80 % of the load, the same share as eight teeth of the large one.
 """
 
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +27,7 @@ import rustchain as rc
 
 TORQUES = (50.0, 155.0, 400.0)  # at the wheel [N m]
 DURATION, SETTLED = 0.2, 0.08  # [s]
-scene = rc.load_scene(Path(__file__).with_name("motorcycle_chain.toml"))
+scene = rc.load_scene(Path(sys.argv[0]).with_name("motorcycle_chain.toml"))
 drive = scene.system
 chain = drive.chain
 motor, wheel = drive.sprockets

@@ -16,6 +16,7 @@ tension too low if its speed is left out.
 """
 
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,7 +29,7 @@ SPEEDS = (100.0, 250.0, 400.0)  # of the crankshaft [rad/s]
 SETTLED, DURATION = 0.08, 0.3  # [s]
 PLUCKED = (0.3, 0.2, 0.15)  # velocity of each mode [m/s]
 STRAND = "lower"  # right of the line from the crankshaft to the camshaft
-scene = rc.load_scene(Path(__file__).with_name("timing_drive.toml"))
+scene = rc.load_scene(Path(sys.argv[0]).with_name("timing_drive.toml"))
 drive = scene.system
 crank, cam = drive.sprockets
 report = drive.check()

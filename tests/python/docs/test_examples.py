@@ -76,7 +76,8 @@ def test_an_example_runs_and_makes_its_picture(path, tmp_path, monkeypatch, caps
     for long, brief in BRIEF.get(path.stem, ()):
         assert long in text
         text = text.replace(long, brief)
-    names = {"__name__": "__main__", "__file__": str(path)}
+    monkeypatch.setattr("sys.argv", [str(path)])  # as the gallery does, which has no __file__
+    names = {"__name__": "__main__"}
     exec(compile(text, path, "exec"), names)
     pictures = list(tmp_path.glob(f"{path.stem}*.png"))
     assert pictures
