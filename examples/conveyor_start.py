@@ -3,8 +3,8 @@
 The conveyor is that of `conveyor_start.toml`: 402 links, a motor and a tail shaft with 1 kg m²
 each. In a rigid conveyor the motor's torque M makes the tensions of the strands differ by M/(2
 r), since one half accelerates the motor itself. In an elastic one, applied at once, it doubles
-that. Applied over a ramp of duration t, the factor is 1 + |sin(π t/τ)|/(π t/τ) (Harris' Shock and
-Vibration Handbook). τ is the natural period of the two shafts on both strands. The tension
+that. Applied over a ramp of duration t, the factor is ``1 + |sin(π t/τ)|/(π t/τ)`` (Harris' Shock
+and Vibration Handbook). τ is the natural period of the two shafts on both strands. The tension
 travels at sqrt(k/m) links a second, k and m being stiffness and mass of one link.
 
 Plates give a link the stiffness E A/p, hinges have that of Johnson's line contact at the tension
