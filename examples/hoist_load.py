@@ -95,7 +95,7 @@ for (name, force), colour in zip(forces.items(), ("tab:blue", "tab:green", "tab:
 for factor, label in ((0.0, "m g"), (1.0, "m (g + a)"), (2.0, "m (g + 2a)")):
     level = mass * (GRAVITY + factor * acceleration)
     axes.axhline(level, color="0.6", linestyle="--", linewidth=0.8)
-    axes.text(1.01e3 * DURATION, level, label, va="center")
+    axes.text(1.01e3 * DURATION, level, label, va="center", backgroundcolor="white")
 axes.set(xlabel="time [ms]", ylabel="force on the hook [N]", xlim=(0.0, 1.15e3 * DURATION))
 axes.legend(loc="lower left")
 figure.savefig("hoist_load.png")
