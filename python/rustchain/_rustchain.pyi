@@ -5,6 +5,7 @@ from typing import Any, Literal, final
 
 import numpy as np
 import numpy.typing as npt
+
 from rustchain.description.base import Description
 from rustchain.description.drive import Chain, ChainDrive, Sprocket
 from rustchain.description.guides import GuideRail, SmoothIdler

@@ -147,8 +147,9 @@ fn the_impulse_of_a_jump_of_the_speed_works_as_much_as_the_kinetic_energy_change
 
 #[test]
 fn a_torque_that_is_set_does_what_the_same_step_in_a_table_does() {
-    let (set_at, end) = (1.234_567e-3, 4e-3);
-    for tolerance in [1e-9, 1e-10, 1e-11, 1e-12] {
+    // Impacts in the clearance of the wrist pin amplify the errors of the steps, which fall with the tolerance.
+    for (tolerance, bound) in [(1e-10, 1e-3), (1e-12, 1e-5)] {
+        let (set_at, end) = (1.234_567e-3, 4e-3);
         let pushed = |torque: Signal| {
             let mut mechanism = machine(1e-4, Elastic::Hertz);
             let kind = ForceKind::Torque(torque);
@@ -160,19 +161,22 @@ fn a_torque_that_is_set_does_what_the_same_step_in_a_table_does() {
         let mut set = pushed(0.0.into());
         run_to(&mut set, set_at);
         set.set_input("torque", Torque, 2.0.into()).unwrap();
-        run_to(&mut set, end);
         let mut described = pushed(rows(&[(set_at - 1e-10, 0.0), (set_at, 2.0)]));
-        run_to(&mut described, end);
         let mut without = pushed(0.0.into());
-        run_to(&mut without, end);
-        let apart = |a: &mut MechanismSimulation, b: &mut MechanismSimulation| {
-            let (a, b) = (a.motion(false), b.motion(false));
+        let [set, described, without] = [&mut set, &mut described, &mut without].map(|run| {
+            run_to(run, end);
+            run.motion(false)
+        });
+        let apart = |a: &[[f64; 3]], b: &[[f64; 3]]| {
             let apart = a.iter().flatten().zip(b.iter().flatten());
             apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };
-        let moved = apart(&mut set, &mut without);
-        let error = apart(&mut set, &mut described);
-        eprintln!("{tolerance:e} {error:e} {moved:e} {}", set.onsets());
+        let (moved, error) = (apart(&set, &without), apart(&set, &described));
+        assert!(moved > 1e-6, "{moved:e}");
+        assert!(
+            error < bound * moved,
+            "{tolerance:e}: {error:e} of {moved:e}"
+        );
     }
 }
 

@@ -192,6 +192,8 @@ class Scenes:
             mechanism.add_revolute("pin", "ground", "a", at=(0.0, 0.1))
             mechanism.add_spring("spring", "a", "b", stiffness=10.0)
             mechanism.add_disc_contact("discs", "a", "b", 0.1, 0.1, _LAW)
+            mechanism.add_torque("motor", "a", torque=0.1)
+            mechanism.add_driver("turn", "ground", "b", speed=1.0)
         return mechanism
 
 
@@ -451,7 +453,10 @@ def _mechanisms() -> Iterator[Target]:
     run = {**_SHORT, "record": ("joints",), "energy": False, "stop": (), "callback": None}
     place = {"positions": simulation.positions, "velocities": simulation.velocities, "time": 0.0}
     step = lambda t: rc.Simulation(shared.mechanism()).step_to(t)  # noqa: E731
+    fresh = lambda: rc.Simulation(shared.mechanism(joined=True))  # noqa: E731
     for name, call, given in (
+        ("set_speed", lambda **g: fresh().set_speed(**g), {"part": "turn", "speed": 2.0}),
+        ("set_torque", lambda **g: fresh().set_torque(**g), {"part": "motor", "torque": 2.0}),
         ("run", simulation.run, run),
         ("evaluate", simulation.evaluate, place),
         ("set_state", simulation.set_state, {"state": simulation.state()}),

@@ -256,3 +256,23 @@ class Peaks(ArrayValue):
     def tooth_impulse(self) -> Array:
         """Impulse of the teeth on each bushing [N s], (times, bushings)."""
         return self._result.array("peak_tooth_impulse")
+
+    @property
+    def joint_force(self) -> Array:
+        """Largest force of each joint of a mechanism [N], (times, joints)."""
+        return self._result.array("peak_joint_force")
+
+    @property
+    def joint_impulse(self) -> Array:
+        """Impulse of each joint of a mechanism [N s], (times, joints)."""
+        return self._result.array("peak_joint_impulse")
+
+    @property
+    def contact_force(self) -> Array:
+        """Largest force of each contact of a mechanism [N], (times, contacts)."""
+        return self._result.array("peak_contact_force")
+
+    @property
+    def contact_impulse(self) -> Array:
+        """Impulse of each contact of a mechanism [N s], (times, contacts)."""
+        return self._result.array("peak_contact_impulse")

@@ -26,15 +26,15 @@ def part_of(system: ChainDrive | Mechanism, part: object, quantity: Quantity) ->
     if isinstance(system, ChainDrive):
         return _sprocket_number(part)
     if quantity == "speed":
-        kind, names = "driver with a speed", [joint.name for joint in system.joints]
+        kind, names = "driver described by its speed", [joint.name for joint in system.joints]
         known = [j.name for j in system.joints if j.kind.startswith("driven") and j.by_speed]
     else:
-        kind, names = "torque", [force.name for force in system.forces]
+        kind, names = "applied torque", [force.name for force in system.forces]
         known = [force.name for force in system.forces if force.kind == "torque"]
     if isinstance(part, str) and part in names:
         return part  # the compiled module checks its kind
-    found = suggest(part, known) if known else "it has none"
-    msg = f"part = {shown(part)}: is no {kind} of the mechanism; {found}"
+    found = suggest(part, known) if known else "there is none"
+    msg = f"part = {shown(part)}: no {kind} of the mechanism has this name; {found}"
     raise NoSuchPart(msg)
 
 

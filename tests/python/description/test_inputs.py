@@ -105,7 +105,7 @@ def test_what_cannot_be_set_is_refused_and_nothing_is_changed(simulation, call, 
 
 def test_ideal_hinges_take_the_power_of_the_torque_that_is_set():
     """The power at the shafts of an ideal drive is what its energies and losses show."""
-    simulation = rc.Simulation(rc.paper_drive(pretension=25.0, hinges="ideal"))
+    simulation = rc.Simulation(rc.paper_drive(hinges="ideal"))
     simulation.run(4e-3, progress=False)
     simulation.set_torque("sprocket_2", -2.0)
     result = simulation.run(4e-3, 2e-6, progress=False)
