@@ -11,6 +11,7 @@ use super::description::force_element::{Force, ForceKind};
 use super::description::joint::Joint;
 use super::dynamics::MechanismDynamics;
 use super::model::MechanismModel;
+use super::newton::stage::StepReactions;
 use super::step::ITERATIONS;
 use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
@@ -217,6 +218,8 @@ impl MechanismDynamics {
         adams.restart_with_corrector(t, &y);
         self.keep_step_start(adams);
         self.differentiate(t, &y);
+        // The kept reactions are those of the old input: the next step solves for its own, as the first one of a run does.
+        self.reactions = StepReactions::default();
         self.inputs.set.retain(|set| set.target() != input.target());
         self.inputs.set.push(input);
         Ok(true)
