@@ -198,15 +198,6 @@ impl MechanismDynamics {
         }
         matrix.lu()
     }
-
-    /// Overwrite a residual of velocities by the correction of the dense matrix by differences at `y`, where the derivative was just
-    /// evaluated. Return false when the matrix is singular. Tests compare the sparse matrix with it.
-    pub fn correct_by_differences(&mut self, y: &[f64], gamma: f64, residual: &mut [f64]) -> bool {
-        let n = self.model.coordinates();
-        let matrix = self.matrix_by_differences(y, gamma);
-        residual[n..].fill(0.0);
-        matrix.solve_mut(&mut DVectorViewMut::from_slice(&mut residual[..n], n))
-    }
 }
 
 impl SecondOrderSystem for MechanismDynamics {
