@@ -94,7 +94,6 @@ impl MechanismDynamics {
             by_corrector,
             near: false,
         };
-        let n = self.model.coordinates();
         let [mut residual, mut change] = std::mem::take(&mut self.projecting);
         if at_hand != AtHand::Everything {
             if at_hand == AtHand::Nothing {
@@ -105,37 +104,9 @@ impl MechanismDynamics {
             }
             self.find_rows(t);
         }
-        let (size, mut done) = (self.size(), false);
-        let mut before = f64::INFINITY;
-        for iteration in 0..iterations {
-            for (r, row) in residual.iter_mut().zip(&self.rows) {
-                *r = row.value;
-            }
-            // Iterations end at round-off, or where the residual is below `left` and no longer halves.
-            let (worst, round_off) = (self.worst_beside(size), self.round_off());
-            if worst <= round_off || (worst < left && worst >= 0.5 * before) {
-                done = true;
-                break;
-            }
-            if worst.is_nan() {
-                break;
-            }
-            // Newton's iterations keep the factors while convergence is fast.
-            let slow = worst > SLOW * before && worst > TELLING * round_off;
-            if slow || iteration == 0 && !known {
-                self.factorise_held(&mut held);
-            }
-            before = worst;
-            change.fill(0.0);
-            self.correct_by(&mut held, &residual, &mut change);
-            state[..n]
-                .iter_mut()
-                .zip(&change)
-                .for_each(|(q, c)| *q += c);
-            held.fresh = false;
-            self.place_nearby(state);
-            self.find_rows(t);
-        }
+        let with = [&mut residual[..], &mut change[..]];
+        let mut done =
+            self.project_positions(&mut held, (t, state), with, (iterations, left, known));
         if done {
             if !known {
                 self.factorise_held(&mut held);
@@ -157,6 +128,47 @@ impl MechanismDynamics {
             (false, true) => Projected::MissedNearSingular,
             (false, false) => Projected::Missed,
         }
+    }
+
+    /// Project the positions, whose rows are evaluated; return whether the residual is below `left` and no longer halves. `known`: factors exist.
+    fn project_positions(
+        &mut self,
+        held: &mut Held,
+        (t, state): (f64, &mut [f64]),
+        [residual, change]: [&mut [f64]; 2],
+        (iterations, left, known): (usize, f64, bool),
+    ) -> bool {
+        let (n, size) = (self.model.coordinates(), self.size());
+        let mut before = f64::INFINITY;
+        for iteration in 0..iterations {
+            for (r, row) in residual.iter_mut().zip(&self.rows) {
+                *r = row.value;
+            }
+            // Iterations end at round-off, or where the residual is below `left` and no longer halves.
+            let (worst, round_off) = (self.worst_beside(size), self.round_off());
+            if worst <= round_off || (worst < left && worst >= 0.5 * before) {
+                return true;
+            }
+            if worst.is_nan() {
+                return false;
+            }
+            // Newton's iterations keep the factors while convergence is fast.
+            let slow = worst > SLOW * before && worst > TELLING * round_off;
+            if slow || iteration == 0 && !known {
+                self.factorise_held(held);
+            }
+            before = worst;
+            change.fill(0.0);
+            self.correct_by(held, residual, change);
+            state[..n]
+                .iter_mut()
+                .zip(&*change)
+                .for_each(|(q, c)| *q += c);
+            held.fresh = false;
+            self.place_nearby(state);
+            self.find_rows(t);
+        }
+        false
     }
 
     /// Add to `change` a change of coordinates that removes `residual`: the least one, weighted by mass, or by the matrix of the implicit
