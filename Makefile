@@ -10,6 +10,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMPS := $(VENV)/stamps
 EXTENSION := python/rustchain/_rustchain.abi3.so
+# The library of FMUs, by the names of shared libraries of the operating system.
+SYSTEM := $(shell uname -s)
+ENDING := $(if $(filter Linux,$(SYSTEM)),so,$(if $(filter Darwin,$(SYSTEM)),dylib,dll))
+FMI_LIBRARY := python/rustchain/fmi/rustchain_fmi.$(ENDING)
+# Command of cargo, and the folder of its target in that of all targets.
+build-fmu = CARGO_PROFILE_RELEASE_STRIP=symbols cargo $(1) --release --locked --quiet --lib --features fmu --target-dir target/fmu && \
+	cp target/fmu/$(2)release/$(if $(filter dll,$(ENDING)),,lib)rustchain.$(ENDING) $(FMI_LIBRARY)
 RUST_SOURCES := $(shell find src -name '*.rs') Cargo.toml Cargo.lock
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
@@ -21,7 +28,7 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build demo docs check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision validation-data stress dist clean
+.PHONY: help venv build fmu demo docs check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision validation-data stress dist clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -54,6 +61,14 @@ $(EXTENSION): $(STAMPS)/build-tools $(RUST_SOURCES)
 	@PIP_QUIET=1 $(BIN)/maturin develop --release --extras all
 	@touch $@
 
+fmu: $(FMI_LIBRARY) ## Build the library of FMUs, which export_fmu packs: no Python in it
+
+# Other features than the extension's: with a folder of its own, neither build discards the other.
+$(FMI_LIBRARY): $(RUST_SOURCES)
+	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
+	@echo "==> building the library of FMUs (release)"
+	$(call build-fmu,build)
+
 # --- what it is for
 
 demo: build ## Run the paper's drive for 2 s and draw its figures into demo/
@@ -83,7 +98,7 @@ test-rust: ## cargo test
 	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
 	cargo test
 
-test-python: build $(STAMPS)/test-tools ## pytest; PYTEST_ARGS="-k name" chooses
+test-python: build fmu $(STAMPS)/test-tools ## pytest; PYTEST_ARGS="-k name" chooses
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
 
 stress: build ## Random legal scenes, 20 s each at most, and what came of them; STRESS_ARGS="--seeds 0:500"
@@ -100,7 +115,7 @@ lint-rust: $(STAMPS)/venv
 	cargo fmt --check
 	cargo fmt --check --manifest-path benches/compiled_rhs/Cargo.toml
 	cargo clippy --locked --all-targets -- -D warnings
-	cargo clippy --locked --all-targets --features python -- -D warnings
+	cargo clippy --locked --all-targets --features python,fmu -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --quiet
 
 lint-python: build $(STAMPS)/lint-tools
@@ -151,15 +166,17 @@ docs: build $(STAMPS)/docs-tools ## The site, executed and checked, into docs/_b
 # --- release
 
 # On Linux, linked against the C library of manylinux2014, so that the wheel runs on every distribution since 2014.
-MANYLINUX := $(if $(filter Linux,$(shell uname -s)),--zig --compatibility manylinux2014)
+MANYLINUX := $(if $(filter Linux,$(SYSTEM)),--zig --compatibility manylinux2014)
+HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 
 dist: $(STAMPS)/dist-tools ## Wheel and source archive into dist/
 	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
 	rm -rf dist
+	$(if $(MANYLINUX),PATH="$(CURDIR)/$(BIN):$$PATH" $(call build-fmu,zigbuild --target $(HOST).2.17,$(HOST)/),$(call build-fmu,build))
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --locked --sdist --out dist $(MANYLINUX)
 	$(if $(MANYLINUX),$(BIN)/auditwheel show dist/*.whl)
 
 clean: ## Remove all that the other targets made
 	rm -rf docs/_build docs/_examples docs/gallery docs/reference/generated docs/reference/_cli.md
-	rm -rf target benches/compiled_rhs/target $(VENV) demo dist $(EXTENSION) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf target benches/compiled_rhs/target $(VENV) demo dist $(EXTENSION) $(FMI_LIBRARY) .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find python tests examples benches -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -4,7 +4,7 @@
 //! A module imports from those on its left:
 //!
 //! ```text
-//! math -> geometry -> force_law -> integrator -> drive -> layout -> system -> chain | multibody -> run
+//! math -> geometry -> force_law -> integrator -> drive -> layout -> system -> chain | multibody -> run -> fmu
 //! ```
 //!
 //! [`drive`] describes a chain drive, [`layout`] makes its initial configuration, [`chain::model`] compiles both, and [`run`] integrates
@@ -15,6 +15,7 @@
 pub mod chain;
 pub mod drive;
 mod error;
+pub mod fmu;
 pub mod force_law;
 pub mod geometry;
 pub mod integrator;

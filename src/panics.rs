@@ -4,7 +4,7 @@ use std::any::Any;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-#[cfg(feature = "python")]
+#[cfg(any(feature = "python", feature = "fmu"))]
 use crate::error::{Error, Result};
 
 thread_local! {
@@ -15,7 +15,7 @@ thread_local! {
 /// Record the source location of every panic for its error instead of printing it: an extension module writes nothing to standard error.
 ///
 /// The hook belongs to this copy of the standard library. Other extension modules of the process have their own.
-#[cfg(feature = "python")]
+#[cfg(any(feature = "python", feature = "fmu"))]
 pub(crate) fn keep_places() {
     std::panic::set_hook(Box::new(|info| {
         let place = info.location().map(|at| format!(" ({at})"));
@@ -30,7 +30,7 @@ pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> std::result::Result<T, Str
 }
 
 /// Return the result of a fallible `work`; convert a panic to an error.
-#[cfg(feature = "python")]
+#[cfg(any(feature = "python", feature = "fmu"))]
 pub(crate) fn contained<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     guarded(work).unwrap_or_else(|message| {
         let time = None;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Folders from the bottom to the top. A folder imports from those before it and from itself.
 ///
 /// `chain` and `multibody` are two systems side by side: neither imports the other.
-const FOLDERS: [&str; 13] = [
+const FOLDERS: [&str; 14] = [
     "error",
     "panics",
     "math",
@@ -21,6 +21,7 @@ const FOLDERS: [&str; 13] = [
     "chain",
     "multibody",
     "run",
+    "fmu",
     "python",
 ];
 

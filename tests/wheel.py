@@ -48,6 +48,7 @@ def main() -> None:
             command("--version")
             command("check", str(ROOT / "examples/three_shafts.toml"))
             command("run", "paper", "--duration", "0.05", "--out", "paper.nc")
+            command("fmu", "paper", "--out", "paper.fmu")
             command("plot", "paper.nc", "--out", "figures")
             assert len(list(Path("figures").iterdir())) > 3
             command("report", "paper.nc", "--out", "report.html")

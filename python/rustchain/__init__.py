@@ -100,6 +100,7 @@ if TYPE_CHECKING:
         ToothJumpWarning as ToothJumpWarning,
     )
     from rustchain.files.scene import load_scene as load_scene, save_scene as save_scene
+    from rustchain.fmi.export import export_fmu as export_fmu
     from rustchain.results.files import load_result as load_result
     from rustchain.results.result import Result as Result
     from rustchain.simulation.evaluation import Evaluation as Evaluation
@@ -155,6 +156,7 @@ _HOMES = {
         "RustchainError RustchainWarning SimulationError ToothJumpWarning"
     ),
     "files.scene": "load_scene save_scene",
+    "fmi.export": "export_fmu",
     "results.files": "load_result",
     "results.result": "Result",
     "simulation.evaluation": "Evaluation",

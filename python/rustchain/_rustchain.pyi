@@ -1,6 +1,6 @@
 """The typed face of the compiled module."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, final
 
 import numpy as np
@@ -28,6 +28,7 @@ __all__ = [
     "drive_mechanism",
     "effective_restitution",
     "film_forces",
+    "fmu_scene",
     "guide_outline",
     "ideal_core",
     "instruction_set",
@@ -75,6 +76,21 @@ def static_start(
     min_impact_velocity: float,
 ) -> dict[str, Any]:
     """Return positions and velocities of a chain at rest, and how well it rests."""
+
+def fmu_scene(
+    drive: ChainDrive,
+    force_law: ForceLaw,
+    hinge_law: ForceLaw | None,
+    tooth_law: ForceLaw | None,
+    min_impact_velocity: float,
+    solver: Solver,
+    positions: _Array | None,
+    velocities: _Array | None,
+    state: bytes | None,
+    inputs: Sequence[tuple[int, str]],
+    outputs: Sequence[tuple[str, int | None]],
+) -> tuple[bytes, str, list[float]]:
+    """Return the scene of an FMU, its instantiation token, and the values of its variables."""
 
 def strand_names(drive: ChainDrive) -> list[str]:
     """Return the names of the strands, in the order of arrays over strands."""
@@ -234,7 +250,7 @@ class Core:
     def last_row(self, name: str) -> _Array:
         """Return the last row of a channel, flat."""
     def set_input(self, part: int | str, quantity: str, value: object) -> None:
-        """Set "speed" or "torque" of a sprocket, from 1, or of a part of a mechanism by name."""
+        """Set "speed", "torque" or "tensioner_force" of a sprocket, from 1, or a part by name."""
     def take_recording(self) -> dict[str, npt.NDArray[Any]]:
         """End the recording and return its rows, without those that were taken."""
     def take_rows(self, count: int) -> dict[str, npt.NDArray[Any]]:

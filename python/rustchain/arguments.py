@@ -53,7 +53,7 @@ def plain(value: Any) -> Any:  # noqa: ANN401
 
 
 class _NoNumber:
-    """A date or a record of NumPy, which converts to a number and is none."""
+    """A date or a record of NumPy, or a number beyond the range of float: it has no value here."""
 
     def __init__(self, value: object) -> None:
         self._shown = shown(value)
@@ -75,7 +75,8 @@ def _plain(value: Any, levels: int) -> Any:  # noqa: ANN401
         number = int(value) if isinstance(value, int) else float(value)
     except Exception:
         return value
-    return number
+    overflow = number in (math.inf, -math.inf) and value != number  # of a longer type
+    return _NoNumber(value) if overflow else number
 
 
 def checked(function: Any, only: Collection[Any] | None = None) -> Any:  # noqa: ANN401

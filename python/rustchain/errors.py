@@ -40,7 +40,10 @@ class NotRecorded(RustchainError, LookupError):
 
 
 class MissingExtra(RustchainError, ImportError):
-    """A package of an extra is not installed; the message has the pip command that installs it."""
+    """A package of an extra, or the library of FMUs, is not installed.
+
+    The message has the command that installs it.
+    """
 
 
 class SimulationError(RustchainError, RuntimeError):

@@ -1,5 +1,7 @@
 //! The chain: links, hinges and contact surfaces.
 
+use serde::{Deserialize, Serialize};
+
 use super::{LinkStiffness, Material, Variation};
 use crate::error::{Error, Result, check};
 
@@ -8,7 +10,7 @@ use crate::error::{Error, Result, check};
 pub(crate) const MOST_LINKS: u32 = 100_000;
 
 /// Mass properties of a link about its centre, midway between its hinges.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Link {
     /// Mass \[kg\].
     pub mass: f64,
@@ -17,7 +19,7 @@ pub struct Link {
 }
 
 /// A pin in a bushing with clearance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ClearanceHinge {
     /// Radius of the pin \[m\].
     pub pin_radius: f64,
@@ -36,7 +38,7 @@ impl ClearanceHinge {
 }
 
 /// A roller on its bushing with radial play: a hollow cylinder with its own degrees of freedom.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Roller {
     /// Outside radius, in contact with the teeth \[m\].
     pub radius: f64,
@@ -52,7 +54,7 @@ pub struct Roller {
 
 /// A bushing chain: inner links with two bushings alternate with outer links with two pins. In a closed chain of an odd number of
 /// links the last one is an offset link: bushing at its rear, pin at its front.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Chain {
     /// Pitch: distance of the hinges of a link \[m\].
     pub pitch: f64,

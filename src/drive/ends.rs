@@ -1,16 +1,19 @@
 //! The two ends of an open chain: anchored, loaded or free.
 
+use serde::{Deserialize, Serialize};
+
 use super::Chain;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::math::Signal;
 
 /// Boundary condition of one end of an open chain; the hinge is like those of the chain.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ChainEnd {
     /// A pin at rest or with prescribed velocity.
     Anchor {
         /// Position at the start \[m\].
+        #[serde(with = "crate::geometry::components")]
         position: Vec2,
         /// Velocity, x and y \[m/s\].
         velocity: [Signal; 2],
@@ -26,6 +29,7 @@ pub enum ChainEnd {
         /// Distance of the centre of mass from the pin \[m\].
         arm: f64,
         /// Position of its pin at the start \[m\]; `None`: straight below the last sprocket or the other end.
+        #[serde(with = "crate::geometry::components")]
         position: Option<Vec2>,
         /// Links between it and the first sprocket.
         links: Option<u32>,
@@ -33,6 +37,7 @@ pub enum ChainEnd {
     /// No body.
     Loose {
         /// Position at the start \[m\]; `None`: straight below the last sprocket or the other end.
+        #[serde(with = "crate::geometry::components")]
         position: Option<Vec2>,
         /// Links between it and the first sprocket.
         links: Option<u32>,

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Chain, ChainEnd, Drive, Mount, SprocketMotion};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::geometry::path::wrap::pitch_radius;
 use crate::math::Signal;
 
@@ -23,9 +23,11 @@ pub enum InputQuantity {
     Speed,
     /// Torque as a function of time \[N m\]; a curve over the speed remains unchanged.
     Torque,
+    /// Constant force of the tensioner on the sprocket's centre along its direction \[N\]; its ramp has then ended.
+    TensionerForce,
 }
 
-/// Largest speed and torque of a sprocket, in a description and in a run.
+/// Largest speed, torque and tensioner force of a sprocket, in a description and in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputBounds {
     /// Pitch of the chain \[m\].
@@ -34,6 +36,8 @@ pub struct InputBounds {
     speed: f64,
     /// Largest torque \[N m\].
     torque: f64,
+    /// Largest force of a tensioner \[N\].
+    force: f64,
 }
 
 impl InputBounds {
@@ -44,6 +48,7 @@ impl InputBounds {
             pitch: chain.pitch,
             speed: MOST_CHAIN_SPEED / radius,
             torque: most_force(chain) * radius,
+            force: most_force(chain),
         }
     }
 
@@ -79,6 +84,12 @@ impl InputBounds {
             }
             (InputQuantity::Torque, false) => {
                 self.check_torque(&format!("torque of {name}"), signal.largest())
+            }
+            (InputQuantity::TensionerForce, _) => {
+                let force = signal.range()[0];
+                check::not_negative("force", force, "N")?;
+                let (pitch, most) = (self.pitch, self.force);
+                refuse_above(most, pitch, "N", "force of the tensioner", signal.largest())
             }
             (InputQuantity::Torque, true) => Err(Error::invalid(
                 "sprocket",

@@ -1,9 +1,11 @@
 //! Material of contact surfaces.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Result, check};
 
 /// Elastic constants and restitution, the same for all parts of a drive.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Material {
     /// Young's modulus E \[Pa\].
     pub elastic_modulus: f64,

@@ -30,6 +30,8 @@ pub(crate) use tensioner::STOP_STIFFNESS;
 pub use tensioner::{Tensioner, TensionerLine};
 pub use variation::Variation;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::geometry::path::belt::Side;
@@ -38,7 +40,7 @@ use crate::geometry::path::belt::Side;
 const MOST_PAIRS: f64 = 1e7;
 
 /// How the links of a chain are joined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum HingeKind {
     /// Pins with clearance in their bushings.
     #[default]
@@ -48,7 +50,7 @@ pub enum HingeKind {
 }
 
 /// A chain drive.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// The chain.
     pub chain: Chain,
@@ -57,6 +59,7 @@ pub struct Drive {
     /// Tensioner, if any.
     pub tensioner: Option<Tensioner>,
     /// Gravity \[m/s²\].
+    #[serde(with = "crate::geometry::components")]
     pub gravity: Vec2,
     /// Rails, blades and smooth idlers.
     pub guides: Vec<Rail>,

@@ -1,10 +1,12 @@
 //! Axial stiffness of links: given, or from the cross-sections of their plates.
 
+use serde::{Deserialize, Serialize};
+
 use super::Material;
 use crate::error::{Result, check};
 
 /// Plates of a link as bars of the length of a pitch.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Plates {
     /// Cross-section of both plates of an inner link \[m²\].
     pub inner_section: f64,
@@ -15,7 +17,7 @@ pub struct Plates {
 }
 
 /// Axial stiffness of the links of one strand.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum LinkStiffness {
     /// Stiffness \[N/m\], the mean of inner and outer links.
     Given(f64),

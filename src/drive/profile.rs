@@ -2,6 +2,8 @@
 
 mod teeth;
 
+use serde::{Deserialize, Serialize};
+
 use super::Chain;
 use crate::error::{Result, check};
 use crate::geometry::{OutlinePiece, Seat};
@@ -10,7 +12,7 @@ use crate::geometry::{OutlinePiece, Seat};
 const EDGE_SHARE: f64 = 0.025;
 
 /// Tooth form.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ToothForm {
     /// ANSI/ASME B29.1.
     Ansi(AnsiTooth),
@@ -29,7 +31,7 @@ impl From<AnsiTooth> for ToothForm {
 }
 
 /// Shape of the tooth tip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Tip {
     /// The flanks continue to the middle of the tooth.
     Full,
@@ -38,7 +40,7 @@ pub enum Tip {
 }
 
 /// Tooth form of ANSI/ASME B29.1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AnsiTooth {
     /// Position of the seating curve's centre.
     pub seat: Seat,
@@ -62,7 +64,7 @@ impl Default for AnsiTooth {
 }
 
 /// Tooth form of ISO 606.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct IsoTooth {
     /// Tooth gap form, from the standard's minimum (0) to its maximum (1).
     pub gap: f64,
@@ -77,7 +79,7 @@ pub struct IsoTooth {
 }
 
 /// Tooth form with a circular seat and straight flanks.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StraightTooth {
     /// Angle between flank and middle of the tooth gap \[rad\].
     pub flank_angle: f64,
@@ -94,7 +96,7 @@ pub struct StraightTooth {
 }
 
 /// Tooth form of arcs and lines.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CustomTooth {
     /// Pieces from the middle of the tooth gap outward along the right flank.
     pub pieces: Vec<OutlinePiece>,

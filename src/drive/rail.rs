@@ -1,17 +1,21 @@
 //! Smooth guides of the chain: rails, blades on arms, idlers without teeth; the bushings slide on them.
 
+use serde::{Deserialize, Serialize};
+
 use super::Material;
 use crate::error::{Error, Result, check};
 use crate::geometry::{ToothProfile, Vec2, turned_left};
 
 /// A guide.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Rail {
     /// Outline.
     pub shape: RailShape,
     /// Middle \[m\]; of a rail, half-way between its two faces.
+    #[serde(with = "crate::geometry::components")]
     pub center: Vec2,
     /// Outward normal of the face in contact with the chain.
+    #[serde(with = "crate::geometry::components")]
     pub direction: Vec2,
     /// Support.
     pub mount: Mount,
@@ -22,7 +26,7 @@ pub struct Rail {
 }
 
 /// Outline of a guide.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum RailShape {
     /// A bar with round ends and straight, convex or concave faces.
     Bar {
@@ -41,7 +45,7 @@ pub enum RailShape {
 }
 
 /// Support of a guide.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Mount {
     /// Fixed.
     Fixed,
@@ -55,9 +59,10 @@ pub enum Mount {
 }
 
 /// A pivoted arm and its plunger: force, spring, dashpot and stops along the plunger's displacement.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Arm {
     /// Pivot \[m\].
+    #[serde(with = "crate::geometry::components")]
     pub pivot: Vec2,
     /// Full force of the plunger at the described position \[N\].
     pub force: f64,

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Chain, ToothForm};
 use crate::error::{Error, Result, check};
 use crate::geometry::path::belt::Side;
@@ -12,7 +14,7 @@ use crate::math::{Signal, Table};
 const STEEL_DENSITY: f64 = 7850.0;
 
 /// Condition on a sprocket's rotation; counterclockwise is positive.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SprocketMotion {
     /// Prescribed angular velocity \[rad/s\].
     PrescribedSpeed(Signal),
@@ -31,7 +33,7 @@ pub enum SprocketMotion {
 }
 
 /// Support of a sprocket's centre.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Bearing {
     /// A fixed bearing; a tensioner may move it.
     Fixed,
@@ -40,7 +42,7 @@ pub enum Bearing {
 }
 
 /// Defects of a sprocket's teeth.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Faults {
     /// Eccentricity of the teeth \[m\]: half the full radial runout.
     pub eccentricity: f64,
@@ -59,11 +61,12 @@ impl Faults {
 }
 
 /// A sprocket.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sprocket {
     /// Number of teeth.
     pub teeth: u32,
     /// Centre at the start \[m\].
+    #[serde(with = "crate::geometry::components")]
     pub center: Vec2,
     /// Condition on its rotation.
     pub motion: SprocketMotion,

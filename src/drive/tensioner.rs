@@ -1,5 +1,7 @@
 //! A tensioner: moves a sprocket's centre along a slide or about a pivot.
 
+use serde::{Deserialize, Serialize};
+
 use super::belt_line::{BeltLine, pitches, pulleys};
 use super::{ChainEnd, Drive, HingeKind, OpenLine};
 use crate::error::{Error, Result, check};
@@ -17,7 +19,7 @@ const LEAST_SHARE: f64 = 0.05;
 
 /// A force on the sprocket's centre along a slide or about a pivot. It grows linearly to its full value;
 /// a spring, a dashpot and two stops act besides.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Tensioner {
     /// Number of the sprocket, from 1.
     pub sprocket: usize,
@@ -31,12 +33,14 @@ pub struct Tensioner {
     /// `None`: the same in both directions.
     pub damping_back: Option<f64>,
     /// Direction of the pull; `None`: away from the other one of two sprockets, or along the bisector of the belt line.
+    #[serde(with = "crate::geometry::components")]
     pub direction: Option<Vec2>,
     /// Stiffness of the spring: decrease of the pull with displacement \[N/m\].
     pub stiffness: f64,
     /// Largest displacement against and along the pull \[m\]; infinite without a stop.
     pub travel: [f64; 2],
     /// Pivot of the arm that carries the sprocket \[m\]; `None`: a slide.
+    #[serde(with = "crate::geometry::components")]
     pub pivot: Option<Vec2>,
     /// Moment of inertia of the arm about its pivot, without the sprocket \[kg m²\].
     pub arm_inertia: f64,

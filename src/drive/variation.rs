@@ -1,5 +1,7 @@
 //! Deviations of the link lengths from the nominal pitch: wear and manufacturing spread.
 
+use serde::{Deserialize, Serialize};
+
 use super::Chain;
 use crate::error::{Error, Result, check};
 
@@ -7,7 +9,7 @@ use crate::error::{Error, Result, check};
 const SUMMANDS: u32 = 12;
 
 /// Deviations of the link lengths from the pitch.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Variation {
     /// Elongation of links by wear as a share of the pitch: none, one for all, or one for each.
     pub elongation: Vec<f64>,

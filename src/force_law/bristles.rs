@@ -9,6 +9,8 @@
 //! With a constant σ₁ the bristles would add energy at slips above 4 g/σ₁ (Barabanov and Ortega, IEEE Transactions on Automatic Control 45
 //! (2000) 675). The decreasing σ₁(s) = σ₁/(1 + σ₁ |s|/(4 g)) prevents this at all slips.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result, check};
 use crate::math::simd::{exp, ln_of_quotient};
 use crate::math::{Real, Truth};
@@ -17,7 +19,7 @@ use crate::math::{Real, Truth};
 const LEAST_PART: f64 = 1e-300;
 
 /// Parameters of the bristles of one kind of contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LuGre {
     /// `μ_s`, static coefficient: ratio of breakaway force to normal force.
     pub static_coefficient: f64,

@@ -6,11 +6,13 @@
 //! multibody programs. One of these programs halves Hu and Guo's λ. That λ dissipates half of the requested energy even near `c_e` = 1, in
 //! contradiction to the paper; a test checks λ in that limit.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 use crate::math::Real;
 
 /// The damping part of a force law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Damping {
     /// No damping: the contact is elastic.
     None,

@@ -2,6 +2,8 @@
 //!
 //! The kernels are compiled once for each form, so that a law of an existing form requires only its constants.
 
+use serde::{Deserialize, Serialize};
+
 use super::{ElasticLaw, Power, SurfacePair, conformal, enhanced_cylinder, hertz, line_contact};
 
 /// Definition of an elastic law selected by name.
@@ -18,7 +20,7 @@ pub(crate) struct Definition {
 macro_rules! elastic_laws {
     ($dollar:tt $($form:ident { $($(#[$doc:meta])* $law:ident = $definition:expr;)+ })+) => {
         /// Elastic law selected by the user.
-        #[derive(Debug, Clone, Copy, PartialEq)]
+        #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
         pub enum Elastic {
             $($($(#[$doc])* $law,)+)+
             /// Constant stiffness \[N/m\], independent of the surfaces.

@@ -26,12 +26,14 @@
 
 use std::f64::consts::PI;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result, check};
 use crate::math::simd::arc_tangent;
 use crate::math::{Real, Truth};
 
 /// Lubricant film of the hinges.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Film {
     /// Dynamic viscosity μ \[Pa s\].
     pub viscosity: f64,

@@ -4,12 +4,14 @@
 //! friction force models for dynamic analysis of multibody mechanical systems", Nonlinear Dynamics 86 (2016) 1407. None of them sticks: a
 //! contact that would stick creeps, at less than the speed v₁.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result, check};
 use crate::math::simd::exp;
 use crate::math::{Real, Truth};
 
 /// Regularisation: ratio of friction to μ f as a function of the sliding velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Regularization {
     /// tanh(v/v₁): smooth everywhere.
     Tanh,
@@ -35,7 +37,7 @@ impl Regularization {
 }
 
 /// Coulomb friction of one kind of contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Friction {
     /// Coefficient of friction μ.
     pub coefficient: f64,

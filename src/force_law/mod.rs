@@ -40,6 +40,8 @@ pub(crate) use logarithmic::Logarithmic;
 pub(crate) use power::Power;
 pub use vector_forces::VectorForces;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Result, check};
 use crate::geometry::{SurfaceCurve, ToothProfile};
 use crate::math::Real;
@@ -151,7 +153,7 @@ pub(crate) trait ElasticLaw {
 }
 
 /// Stiffness of a loaded contact that moves from one region of a tooth to the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Regions {
     /// Stiffness of the region at contact onset, kept until contact end: the energy balance closes.
     Kept,
@@ -160,7 +162,7 @@ pub enum Regions {
 }
 
 /// Complete normal force law.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ForceLaw {
     /// Elastic part.
     pub elastic: Elastic,

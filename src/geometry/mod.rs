@@ -1,5 +1,6 @@
 //! Plane geometry: tooth forms and chain paths, without bodies, forces and time.
 
+pub(crate) mod components;
 pub mod path;
 pub(crate) mod tooth;
 

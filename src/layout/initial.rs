@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use super::many_sprockets::Around;
 use super::open_layout;
 use super::report::Layout;
@@ -22,7 +24,7 @@ const MOST_TURNS: u32 = 12;
 const SETTLED: f64 = 1e-10;
 
 /// Positions and velocities of all bodies at time zero.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct InitialConfiguration {
     /// (x, y, θ) of every body \[m, m, rad\].
     pub positions: Vec<[f64; 3]>,

@@ -68,13 +68,9 @@ impl MechanismModel {
         signal: Signal,
         t: f64,
     ) -> Result<Option<MechanismInput>> {
-        let quantity_of_name = match quantity {
-            InputQuantity::Speed => "speed",
-            InputQuantity::Torque => "torque",
-        };
-        signal.validate(&format!("{quantity_of_name} of {name:?}"))?;
         match quantity {
             InputQuantity::Speed => {
+                signal.validate(&format!("speed of {name:?}"))?;
                 let (equation, present, offset) = self.driver(name)?;
                 let offset = offset + present.integral(t) - signal.integral(t);
                 Ok((*present != signal).then_some(MechanismInput::Speed {
@@ -84,8 +80,14 @@ impl MechanismModel {
                 }))
             }
             InputQuantity::Torque => {
+                signal.validate(&format!("torque of {name:?}"))?;
                 let (force, present) = self.torque(name)?;
                 Ok((*present != signal).then_some(MechanismInput::Torque { force, signal }))
+            }
+            InputQuantity::TensionerForce => {
+                let expected =
+                    "cannot be set where hinges are ideal: describe it with hinges='clearance'";
+                Err(Error::invalid("force of the tensioner", name, expected))
             }
         }
     }

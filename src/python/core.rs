@@ -234,7 +234,7 @@ impl Core {
     }
 
     /// Set the speed ("speed") or torque ("torque") of a part from the present time on: of a sprocket, numbered from 1, or of the driver
-    /// or torque of a mechanism, by its name.
+    /// or torque of a mechanism, by its name; or the force of the tensioner (`"tensioner_force"`) of a sprocket.
     fn set_input(
         &mut self,
         part: &Bound<'_, PyAny>,

@@ -7,6 +7,7 @@ mod drive_mechanism;
 mod ensemble;
 mod errors;
 mod evaluation;
+mod fmu;
 mod functions;
 mod ideal_core;
 mod integrate;
@@ -53,6 +54,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::film_forces, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
     module.add_function(wrap_pyfunction!(functions::effective_restitution, module)?)?;
+    module.add_function(wrap_pyfunction!(fmu::fmu_scene, module)?)?;
     module.add_function(wrap_pyfunction!(toml::read_toml, module)?)?;
     module.add_function(wrap_pyfunction!(integrate::integrate, module)?)
 }

@@ -88,6 +88,7 @@ pub(super) fn own_start(
 pub(super) fn input(quantity: &str, value: &Bound<'_, PyAny>) -> PyResult<(InputQuantity, Signal)> {
     let (quantity, name, unit) = match quantity {
         "speed" => (InputQuantity::Speed, "speed", "rad/s"),
+        "tensioner_force" => (InputQuantity::TensionerForce, "force", "N"),
         _ => (InputQuantity::Torque, "torque", "N m"),
     };
     Ok((quantity, describe::signal(value, name, unit)?))

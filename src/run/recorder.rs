@@ -42,8 +42,7 @@ impl<S: System> Recorder<S> {
     pub(crate) fn new(
         system: &S,
         groups: S::Groups,
-        begin: f64,
-        duration: f64,
+        [begin, end]: [f64; 2],
         report_step: f64,
     ) -> Self {
         let mut channels = system.channels(groups);
@@ -58,7 +57,7 @@ impl<S: System> Recorder<S> {
             groups,
             report_step,
             begin,
-            end: begin + duration,
+            end,
             next: 0,
             last: None,
             energy_at_start: None,
@@ -190,7 +189,7 @@ impl<S: System> Recorder<S> {
 
 /// Return a recording of one row: the last evaluation of `system`, at `t`.
 pub(crate) fn row_of<S: System>(system: &mut S, t: f64, groups: S::Groups) -> Recording {
-    let mut recorder = Recorder::new(system, groups, t, 0.0, 1.0);
+    let mut recorder = Recorder::new(system, groups, [t, t], 1.0);
     recorder.write_row(t, system);
     recorder.into_recording()
 }

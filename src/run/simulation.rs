@@ -131,13 +131,18 @@ impl<S: System> Simulation<S> {
 
     /// Begin a recording at the present time.
     pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: S::Groups) {
+        self.start_recording_until(self.now + duration, report_step, groups);
+    }
+
+    /// Begin a recording at the present time that ends at exactly `end` \[s\].
+    pub fn start_recording_until(&mut self, end: f64, report_step: f64, groups: S::Groups) {
         if !S::records_energy(groups) {
             self.system.stop_metering();
         } else if !self.system.keeps_energy() {
             self.system.begin_metering(&self.adams);
         }
         self.system.set_recorded(Some(groups));
-        let mut recorder = Recorder::new(&self.system, groups, self.now, duration, report_step);
+        let mut recorder = Recorder::new(&self.system, groups, [self.now, end], report_step);
         if recorder.has_peaks() {
             // The present time may lie within the last step, whose end then belongs to the first interval.
             self.system.evaluate_step_end(&self.adams);

@@ -5,6 +5,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod co_simulation;
 mod energy_balance;
 mod energy_meter;
 mod ensemble;

@@ -111,6 +111,7 @@ RECORDS = {
     "SweepResult",
 }
 FILES = {
+    "export_fmu",
     "load_result",
     "load_scene",
     "save_scene",
@@ -407,6 +408,8 @@ def _simulations() -> Iterator[Target]:
             torque = {"part": 2, "torque": 1.0}
             call = simulation.set_torque
             yield _target("Simulation.set_torque", call, call, **torque)
+            pulled = rc.Simulation(rc.paper_drive(25.0)).set_tensioner_force
+            yield _target("Simulation.set_tensioner_force", pulled, pulled, force=10.0)
     made = {
         "scene": paper,
         "force_law": rc.Hertz(),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 import rustchain as rc
+from rustchain.cli.fmu import fmu
 from rustchain.cli.many import study, sweep
 from rustchain.cli.plot import plot
 from rustchain.cli.run import check, run
@@ -23,7 +24,7 @@ app = typer.Typer(
     rich_markup_mode=None,  # it would take the units in brackets for markup
     epilog=_EXIT_CODES,
 )
-for command in (run, check, plot, animate, report, sweep, study, catalogue, schema):
+for command in (run, check, plot, animate, report, sweep, study, fmu, catalogue, schema):
     app.command(epilog=_EXIT_CODES)(command)
 
 

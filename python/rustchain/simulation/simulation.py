@@ -176,6 +176,32 @@ class Simulation(Present):
         self._core.set_input(part_of(self.scene.system, part, quantity), quantity, plain(value))
 
     @known_keywords
+    def set_tensioner_force(self, force: float) -> None:
+        """Set another force of the tensioner from now on; see `set_speed`.
+
+        Parameters
+        ----------
+        force : float
+            Force on the sprocket's centre along the direction of the tensioner [N], in place of the
+            one that follows from its pretension, whose ramp ends. Spring, damper, stops and ratchet
+            act as before.
+
+        Raises
+        ------
+        InvalidInput
+            The drive has no tensioner, or the force is negative or exceeds the limits of
+            descriptions.
+        """
+        tensioner = self.scene.drive.tensioner
+        if tensioner is None:
+            msg = (
+                "set_tensioner_force: the drive has no tensioner; describe one with "
+                "ChainDrive.tensioner"
+            )
+            raise InvalidInput(msg)
+        self._core.set_input(tensioner.sprocket, "tensioner_force", plain(force))
+
+    @known_keywords
     def run(
         self,
         duration: float,

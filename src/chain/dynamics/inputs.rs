@@ -56,7 +56,7 @@ impl Dynamics {
         let Some(model) = self.model.with_inputs(std::slice::from_ref(&input)) else {
             return Ok(false);
         };
-        self.inputs.set.retain(|other| other.sprocket() != sprocket);
+        self.inputs.set.retain(|other| !input.replaces(other));
         self.inputs.set.push(input);
         let mut y = vec![0.0; adams.y().len()];
         adams.interpolate(t, &mut y);

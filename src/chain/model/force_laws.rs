@@ -1,12 +1,14 @@
 //! Force laws of a run and their checks.
 
+use serde::{Deserialize, Serialize};
+
 use super::bristles::BristlePlaces;
 use super::compile::Coordinates;
 use crate::error::{Error, Result, check};
 use crate::force_law::{Film, ForceLaw, Friction, LuGre};
 
 /// Force laws of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ForceLaws {
     /// Normal force of pins in bushings.
     pub hinge: ForceLaw,

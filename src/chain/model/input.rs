@@ -1,10 +1,11 @@
-//! Speed and torque inputs that replace those of the description during a run.
+//! Inputs of speed, torque and tensioner force that replace those of the description during a run.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Model, Rotation};
+use super::Model;
+use super::sprocket::{Rotation, SprocketModel, Support};
 use crate::drive::{InputQuantity, sprocket_of};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::math::Signal;
 
 /// Input of one sprocket from a given time on.
@@ -23,9 +24,54 @@ impl Input {
     pub fn sprocket(&self) -> usize {
         self.sprocket
     }
+
+    /// Return whether this input sets the same quantity of the same sprocket as `other`.
+    pub(crate) fn replaces(&self, other: &Self) -> bool {
+        (self.sprocket, self.quantity) == (other.sprocket, other.quantity)
+    }
+}
+
+impl SprocketModel {
+    /// Return the value of an input quantity at `t` \[s\], of the tensioner's force that after its ramp; `None` if the sprocket does not
+    /// have the quantity.
+    fn input_value(&self, quantity: InputQuantity, t: f64) -> Option<f64> {
+        match (quantity, &self.rotation, &self.support) {
+            (InputQuantity::Speed, Rotation::Prescribed(speed), _) => Some(speed.value(t)),
+            (InputQuantity::Torque, Rotation::Free { torque, .. }, _) => {
+                Some(torque.as_ref().map_or(0.0, |torque| torque.value(t)))
+            }
+            (InputQuantity::TensionerForce, _, Support::Slide { pull, .. }) => Some(*pull),
+            _ => None,
+        }
+    }
+
+    /// Return whether the tensioner of the sprocket called `name` already has the constant `force` at `t` \[s\], behind its ramp.
+    fn has_force(&self, name: &str, force: &Signal, t: f64) -> Result<bool> {
+        let Support::Slide {
+            pull, ramp_time, ..
+        } = self.support
+        else {
+            let expected =
+                "has no tensioner: describe one with ChainDrive.tensioner to set its force";
+            return Err(Error::invalid("sprocket", name, expected));
+        };
+        let Signal::Constant(force) = *force else {
+            let expected = "must be a number in N; set it again at each time at which it changes";
+            return Err(Error::invalid("force", "function of time", expected));
+        };
+        Ok(t >= ramp_time && force == pull)
+    }
 }
 
 impl Model {
+    /// Return the value of an input quantity of `sprocket` (from 0) at `t` \[s\], of the tensioner's force that after its ramp; `None` if
+    /// there is no such quantity.
+    #[must_use]
+    pub fn input_value(&self, sprocket: usize, quantity: InputQuantity, t: f64) -> Option<f64> {
+        let toothed = &self.sprockets[..self.toothed()];
+        toothed.get(sprocket)?.input_value(quantity, t)
+    }
+
     /// Return the input that changes the speed or torque of `sprocket` (from 0) from `t` \[s\] on; its angle is continuous.
     ///
     /// `None`: the sprocket already has this input.
@@ -40,12 +86,15 @@ impl Model {
         t: f64,
     ) -> Result<Option<Input>> {
         let found = sprocket_of(&self.sprockets[..self.toothed()], sprocket)?;
+        let name = format!("sprocket_{}", sprocket + 1);
         if let Some(bounds) = &found.input_bounds {
             let driven = matches!(found.rotation, Rotation::Prescribed(_));
-            let name = format!("sprocket_{}", sprocket + 1);
             bounds.check_input(&name, driven, quantity, &signal)?;
         }
         let (same, phase) = match &found.rotation {
+            _ if quantity == InputQuantity::TensionerForce => {
+                (found.has_force(&name, &signal, t)?, found.phase)
+            }
             Rotation::Prescribed(speed) => {
                 let phase = found.phase + speed.integral(t) - signal.integral(t);
                 (*speed == signal, phase)
@@ -75,6 +124,16 @@ impl Model {
         let mut model = self.clone();
         for input in inputs {
             let sprocket = model.sprockets.get_mut(input.sprocket)?;
+            if input.quantity == InputQuantity::TensionerForce {
+                let Support::Slide {
+                    pull, ramp_time, ..
+                } = &mut sprocket.support
+                else {
+                    return None;
+                };
+                (*pull, *ramp_time) = (input.signal.value(0.0), 0.0);
+                continue;
+            }
             match (&mut sprocket.rotation, input.quantity) {
                 (Rotation::Prescribed(speed), InputQuantity::Speed) => {
                     speed.clone_from(&input.signal);

@@ -5,10 +5,12 @@
 
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::{Vec2, turned_left};
 
 /// Side of the loop on which a wheel lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Side {
     /// Inside the loop, as most sprockets; it turns with the driver.
     #[default]

@@ -1,5 +1,7 @@
 //! A custom tooth form of arcs and lines, and the errors of its pieces.
 
+use serde::{Deserialize, Serialize};
+
 use super::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Segment, ToothProfile, Vec2, turned_left};
 
@@ -9,13 +11,16 @@ const LARGEST_GAP: f64 = 1e-7;
 const LARGEST_ANGLE: f64 = 1e-4;
 
 /// A piece of an outline. Frame: origin in the sprocket's centre, u across the tooth gap, v outward through its middle.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct OutlinePiece {
     /// First point \[m\].
+    #[serde(with = "crate::geometry::components")]
     pub start: Vec2,
     /// Last point \[m\].
+    #[serde(with = "crate::geometry::components")]
     pub end: Vec2,
     /// Centre of an arc of less than half a turn; `None`: a straight line.
+    #[serde(with = "crate::geometry::components")]
     pub center: Option<Vec2>,
 }
 

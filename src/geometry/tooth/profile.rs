@@ -17,7 +17,7 @@ use super::flank::{Flank, SurfacePiece};
 use crate::geometry::{AnsiCurves, Vec2, unit};
 
 /// Position of the centre of the seating curve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Seat {
     /// The standards' bottom diameter, pitch diameter minus roller diameter: a seated roller touches without force.
     BottomDiameter,
@@ -50,7 +50,7 @@ impl Surface {
 }
 
 /// A damaged tooth.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Damage {
     /// Number of the tooth, from 0: tooth k lies between gaps k and k + 1.
     pub tooth: u32,

@@ -44,7 +44,12 @@ def test_the_blocks_of_a_page_run_in_their_order(page, tmp_path, monkeypatch, ca
     assert len(blocks) == len(re.findall(r"^```(?:python|\{code-cell\})", text, re.MULTILINE))
     for block in blocks:
         above = text.count("\n", 0, block.start(1))  # so that a traceback has the page's lines
-        exec(compile("\n" * above + block.group(1), page, "exec"), names)
+        try:
+            exec(compile("\n" * above + block.group(1), page, "exec"), names)
+        except rc.MissingExtra as error:
+            if "no library for FMUs" not in str(error):
+                raise
+            pytest.skip(str(error))  # `make test-python` builds it
 
 
 def test_the_example_of_the_page_on_files_is_the_file():

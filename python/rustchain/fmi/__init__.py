@@ -1,0 +1,1 @@
+"""Export of drives for co-simulation by the Functional Mock-up Interface (FMI)."""

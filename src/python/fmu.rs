@@ -1,0 +1,83 @@
+//! Contents of an FMU for Python.
+
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use super::describe;
+use super::starts::own_start;
+use crate::drive::InputQuantity;
+use crate::error::{Error, Result};
+use crate::fmu::{Contents, InputVariable, Instance, OutputVariable};
+use crate::layout::InitialConfiguration;
+use crate::panics::contained;
+
+/// Bytes of the scene in an FMU, its instantiation token, and the values of all variables at the start, the time first.
+type Packed<'py> = (Bound<'py, PyBytes>, String, Vec<f64>);
+
+/// Return the scene of an FMU, checked by an instance of it.
+///
+/// `inputs`: number of the sprocket, from 1, and its quantity. `outputs`: channel, and number of its element, from 0, or `None` for the
+/// largest one. `state`: snapshot of the state to start with.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
+pub(super) fn fmu_scene<'py>(
+    drive: &Bound<'py, PyAny>,
+    force_law: &Bound<'py, PyAny>,
+    hinge_law: Option<&Bound<'py, PyAny>>,
+    tooth_law: Option<&Bound<'py, PyAny>>,
+    min_impact_velocity: &Bound<'py, PyAny>,
+    solver: &Bound<'py, PyAny>,
+    positions: Option<PyReadonlyArray2<'py, f64>>,
+    velocities: Option<PyReadonlyArray2<'py, f64>>,
+    state: Option<Vec<u8>>,
+    inputs: Vec<(usize, String)>,
+    outputs: Vec<(String, Option<usize>)>,
+) -> PyResult<Packed<'py>> {
+    let py = drive.py();
+    let drive = describe::drive(drive)?;
+    let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
+    let control = describe::solver(solver)?;
+    let own = own_start(py, &drive, positions.as_ref(), velocities.as_ref())?;
+    let inputs: Result<Vec<_>> = inputs.into_iter().map(input_variable).collect();
+    let inputs = describe::checked(py, inputs)?;
+    let packed = contained(|| {
+        let start = match own {
+            Some(start) => start,
+            None => InitialConfiguration::generate(&drive)?.0,
+        };
+        let contents = Contents {
+            drive,
+            laws,
+            control,
+            start,
+            state,
+            inputs,
+            outputs: outputs
+                .into_iter()
+                .map(|(channel, element)| OutputVariable { channel, element })
+                .collect(),
+        };
+        let (bytes, token) = contents.to_bytes()?;
+        let instance = Instance::new(Contents::from_bytes(&bytes, &token)?)?;
+        Ok((bytes, token, instance.values()))
+    });
+    let (bytes, token, values) = describe::checked(py, packed)?;
+    Ok((PyBytes::new(py, &bytes), token, values))
+}
+
+fn input_variable((sprocket, quantity): (usize, String)) -> Result<InputVariable> {
+    let quantity = match quantity.as_str() {
+        "speed" => InputQuantity::Speed,
+        "torque" => InputQuantity::Torque,
+        "tensioner_force" => InputQuantity::TensionerForce,
+        _ => {
+            let expected = "must be speed, torque or tensioner_force";
+            return Err(Error::invalid("quantity of an input", quantity, expected));
+        }
+    };
+    Ok(InputVariable {
+        sprocket: sprocket.wrapping_sub(1),
+        quantity,
+    })
+}
