@@ -120,6 +120,7 @@ if TYPE_CHECKING:
     from rustchain.sweeps.loss_map import loss_map as loss_map
     from rustchain.sweeps.result import SweepResult as SweepResult
     from rustchain.sweeps.samples import samples as samples
+    from rustchain.sweeps.store import load_sweep as load_sweep
     from rustchain.sweeps.study import StudyResult as StudyResult, study as study
     from rustchain.sweeps.sweep import sweep as sweep
     from rustchain.units import rpm as rpm
@@ -168,6 +169,7 @@ _HOMES = {
     "sweeps.loss_map": "loss_map",
     "sweeps.result": "SweepResult",
     "sweeps.samples": "samples",
+    "sweeps.store": "load_sweep",
     "sweeps.study": "StudyResult study",
     "sweeps.sweep": "sweep",
     "units": "rpm",

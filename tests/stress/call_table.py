@@ -113,6 +113,7 @@ RECORDS = {
 FILES = {
     "export_fmu",
     "load_result",
+    "load_sweep",
     "load_scene",
     "save_scene",
     "load_state",

@@ -235,7 +235,8 @@ _SOURCES = (
     f"connecting links, {USUAL_SAFETY_OFFSET:g} with offset links: rule of Diamond Chain for slow "
     "drives. Pressure over the projected area, pin diameter times length of the bushing: allowable "
     "mean values of Chernavskii and others, Course Design of Machine Elements, for pitch and speed "
-    "of the small sprocket; a typical value. Neither replaces the maker's selection.</p>"
+    "of a small sprocket of 17 teeth, and 1 % more for each further tooth; typical values, not "
+    "checked against a second source. Neither replaces the maker's selection.</p>"
 )
 
 

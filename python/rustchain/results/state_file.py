@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
@@ -73,6 +74,10 @@ def read(path: str | Path) -> tuple[Scene, dict[str, Array | None], dict[str, An
     """Return the scene, its start and the state that `write` wrote."""
     packed = check_there(path, "Simulation.save_state").read_bytes()
     try:
+        with zipfile.ZipFile(io.BytesIO(packed)) as archive:
+            if any(member.compress_type != zipfile.ZIP_STORED for member in archive.infolist()):
+                msg = "it is compressed, and may grow without a limit"
+                raise ValueError(msg)
         with np.load(io.BytesIO(packed), allow_pickle=False) as file:
             members = {name: file[name] for name in file.files}
         found = int(members["format"])

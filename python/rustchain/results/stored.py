@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, cast
 from weakref import WeakValueDictionary
@@ -18,11 +20,9 @@ from rustchain.errors import InvalidInput
 from rustchain.paths import check_there, shown_path
 from rustchain.results import netcdf
 from rustchain.results.channels import VARIABLES
+from rustchain.results.superblock import SIGNATURE, Unmarked, is_marked
 from rustchain.results.tables import JUMPS, array_of
 from rustchain.results.values import read_only
-
-SIGNATURE = b"\x89HDF\r\n\x1a\n\x03"
-"""How a streamed file begins: superblock 3 of HDF5. Files of `Result.save` have superblock 0."""
 
 END = "end"
 """Name of the group that says how the run ended."""
@@ -31,6 +31,7 @@ IDENTITY = "run_id"
 """Name of the attribute with a random number, by which a file that was replaced is found out."""
 
 _Made = TypeVar("_Made")
+_PAUSE = 0.05  # [s] between attempts; a piece is written in less
 
 
 class Header(NamedTuple):
@@ -92,17 +93,17 @@ def _rows_of(series: Mapping[str, Any]) -> tuple[npt.NDArray[Any], tuple[str, ..
     The datasets of a process that was killed may differ by the piece that it was writing.
     """
     rows = min(dataset.shape[0] for dataset in series.values())
-    time = series["time"][:rows]
+    times = series["time"][:rows]
     if not rows:
         msg = "no row has been written yet"
         raise ValueError(msg)
-    if not np.all(np.isfinite(time)):
+    if not np.all(np.isfinite(times)):
         msg = "its times are no finite numbers"
         raise ValueError(msg)
-    stays = np.flatnonzero(np.diff(time) <= 0.0)
-    time = time[: stays[0] + 1] if stays.size else time
+    stays = np.flatnonzero(np.diff(times) <= 0.0)
+    times = times[: stays[0] + 1] if stays.size else times
     names = [n for n, v in VARIABLES.items() if all(p in series for p, *_ in v.parts(n))]
-    return time, ("time", *names)
+    return times, ("time", *names)
 
 
 def _opened(path: Path, read: Callable[[Any], _Made], identity: str | None = None) -> _Made:
@@ -111,8 +112,12 @@ def _opened(path: Path, read: Callable[[Any], _Made], identity: str | None = Non
     where = check_there(path, netcdf.WRITER)
 
     def made(path: Path) -> _Made:
-        # As another process may write it, or was killed while it did.
-        with h5py.File(path, "r", swmr=True, locking="best-effort") as file:
+        marked = is_marked(path)
+        locking = None if marked else "best-effort"
+        with (
+            Unmarked(path) if marked else nullcontext(path) as there,
+            h5py.File(there, "r", locking=locking) as file,
+        ):
             if identity is not None and file.attrs.get(IDENTITY) != identity:
                 msg = (
                     f"path = {shown_path(path)}: was replaced by another run since it was loaded; "
@@ -121,12 +126,17 @@ def _opened(path: Path, read: Callable[[Any], _Made], identity: str | None = Non
                 raise InvalidInput(msg)
             return read(file)
 
-    try:
-        return netcdf.beside(made, where)
-    except InvalidInput:
-        raise
-    except Exception as error:  # so does what is damaged within
-        raise netcdf.damaged(path, str(error).splitlines()[0][:200] or repr(error)) from error
+    for last in (False, False, True):
+        try:
+            return netcdf.beside(made, where)
+        except InvalidInput:
+            raise
+        except Exception as error:  # so does what is damaged within
+            if last or not is_marked(where):
+                told = next(iter(str(error).splitlines()), "") or repr(error)
+                raise netcdf.damaged(path, told[:200]) from error
+        time.sleep(_PAUSE)  # another process may be in the middle of writing
+    raise AssertionError
 
 
 class StoredArrays(Mapping[str, npt.NDArray[Any]]):
@@ -143,12 +153,12 @@ class StoredArrays(Mapping[str, npt.NDArray[Any]]):
     """
 
     def __init__(
-        self, path: Path, identity: str, time: npt.NDArray[Any], names: tuple[str, ...]
+        self, path: Path, identity: str, times: npt.NDArray[Any], names: tuple[str, ...]
     ) -> None:
         self.path = path.absolute()
         self.empty: dict[str, npt.NDArray[Any]] = {}
         self._identity, self._names = identity, names
-        self._time = read_only(time)
+        self._time = read_only(times)
         self._read: WeakValueDictionary[str, npt.NDArray[Any]] = WeakValueDictionary()
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:

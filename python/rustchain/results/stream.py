@@ -11,7 +11,6 @@ import contextlib
 import errno
 import json
 import os
-import struct
 import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -26,6 +25,7 @@ from rustchain.paths import new_file, path_of, shown_path, unwritable
 from rustchain.results import tables
 from rustchain.results.channels import VARIABLES
 from rustchain.results.stored import END, IDENTITY, checksum_of, header_of
+from rustchain.results.superblock import SIZE, end_of
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -36,7 +36,6 @@ Rows = dict[str, npt.NDArray[Any]]
 _JUMPS_OF_A_CHUNK = 256
 _ALL = 2**62
 _SLACK = 2**20  # [bytes] of metadata for one piece: the indices of its chunks, below 100 kB
-_EOF = 28  # place of the address of the end in the superblock of format 3
 
 
 class Stream:
@@ -287,8 +286,7 @@ class Stream:
             self._file.close()
             self._check_ours()
             with self._path.open("r+b") as file:
-                file.seek(_EOF)
-                file.truncate(struct.unpack("<Q", file.read(8))[0])
+                file.truncate(end_of(file.read(SIZE)))
                 os.fsync(file.fileno())
         except Exception as error:
             self._error = self._error or self._told(error)

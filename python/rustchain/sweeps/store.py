@@ -3,26 +3,35 @@
 from __future__ import annotations
 
 import builtins
+import errno
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 from urllib.parse import quote, unquote
 
 import numpy as np
 
 import rustchain.errors
 from rustchain import extras
-from rustchain.arguments import shown
-from rustchain.errors import InvalidInput, RustchainError
-from rustchain.paths import path_of, reason
+from rustchain.arguments import plain, shown
+from rustchain.caller import warn_caller
+from rustchain.description.base import Description
+from rustchain.errors import CaseWarning, InvalidInput, RustchainError
+from rustchain.names import known_keywords
+from rustchain.paths import path_of, reason, shown_path
 from rustchain.results import netcdf
 from rustchain.results.files import load_result
 from rustchain.results.result import Result
 from rustchain.sweeps.case_run import Case, Looks, Measure, Outcome
+from rustchain.sweeps.cases import Parameters
 from rustchain.sweeps.identity import digest_of
 from rustchain.sweeps.measure import numbers_of
+from rustchain.sweeps.result import SweepResult
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FORMAT = 1
 """Number of the format of a case's file; it is part of what a case is found by."""
@@ -123,23 +132,20 @@ class Store:
         try:
             data = netcdf.read(path)
             about = json.loads(data.attrs["case"])
-            notes = tuple(about["warnings"])
-            if about["error"] is not None:
-                return None if self._retry else Outcome(error=_error(about["error"]), notes=notes)
-            if not self._measured:
-                return Outcome(notes=notes)
-            found = {unquote(str(name)): _plain(v.values) for name, v in data.variables.items()}
-            return Outcome(found if about["mapping"] else found["value"], notes=notes)
+            if about["error"] is not None and self._retry:
+                return None
+            return _outcome(data, about, self._measured)
         except (InvalidInput, KeyError):  # damaged, or of something else
             return None
 
-    def put(self, path: Path, case: Case, outcome: Outcome) -> None:
-        """Write the outcome of a case."""
+    def put(self, path: Path, case: Case, outcome: Outcome, parameters: Mapping[str, Any]) -> None:
+        """Write the outcome of a case with its parameters."""
         from rustchain.extras import xarray as xr
 
         about: dict[str, Any] = {
             "scene": case.scene.name,
             "run": {name: shown(value) for name, value in case.run.items()},
+            "parameters": {name: _packed(value) for name, value in parameters.items()},
             "error": None if outcome.error is None else _written(outcome.error),
             "warnings": outcome.notes,
             "mapping": isinstance(outcome.value, Mapping),
@@ -152,6 +158,125 @@ class Store:
             arrays = numbers_of(outcome.value, ())
             data = xr.Dataset({quote(n, _SAFE): _variable(n, a) for n, a in arrays.items()})
         netcdf.write(data.assign_attrs(case=json.dumps(about)), path)
+
+
+@known_keywords
+def load_sweep(store: str | Path) -> SweepResult:
+    """Return the cases in the folder that `sweep` had as its store, of all its sweeps.
+
+    Nothing is run. Cases are ordered by their parameters, as those of a list: `to_pandas` makes a
+    table of them. Without a measure, results are read when they are accessed.
+
+    Parameters
+    ----------
+    store : str or Path
+        The folder.
+
+    Returns
+    -------
+    SweepResult
+        Parameters that are neither numbers, text nor descriptions are their text.
+
+    Raises
+    ------
+    OSError
+        There is no such folder.
+    InvalidInput
+        It has no case, or both measured values and results.
+
+    Warns
+    -----
+    CaseWarning
+        Files are damaged, or are no cases: how many, and the first.
+    """
+    folder = path_of(store, "store")
+    if not folder.is_dir():
+        number = errno.ENOTDIR if folder.exists() else errno.ENOENT
+        msg = f"store = {shown_path(folder)}: is no folder; give the one that sweep had as store"
+        raise OSError(number, msg)
+    found, others = [], []
+    for path in sorted(folder.glob("*.nc")):
+        try:
+            data = netcdf.read(path)
+            about = json.loads(data.attrs["case"])
+            measured = "scene" not in data.attrs
+            parameters = {n: _unpacked(v) for n, v in about["parameters"].items()}
+            outcome = _outcome(data, about, measured)
+            found.append((parameters, path, measured and about["error"] is None, outcome))
+        except (InvalidInput, LookupError, TypeError, ValueError):
+            others.append(path)
+    if others:
+        which = f"{len(others)} files are damaged or no cases, first {shown_path(others[0])}"
+        warn_caller(f"store = {shown_path(folder)}: {which}; they are left out", CaseWarning)
+    if not found:
+        msg = f"store = {shown_path(folder)}: has no case; give a folder that sweep had as store"
+        raise InvalidInput(msg)
+    found.sort(key=lambda case: _order(case[0]))
+    results = [case for case in found if case[3].error is None and not case[2]]
+    if results and any(case[2] for case in found):
+        msg = (
+            f"store = {shown_path(folder)}: has measured values and results; expected one kind: "
+            "give each sweep its own folder"
+        )
+        raise InvalidInput(msg)
+    return _swept(found, not results)
+
+
+def _swept(found: list[tuple[Parameters, Path, bool, Outcome]], measured: bool) -> SweepResult:
+    """Return the stored cases as the result of a sweep."""
+    paths = [path if outcome.error is None else None for _, path, _, outcome in found]
+    values: Any = [outcome.value for *_, outcome in found] if measured else StoredResults(paths)
+    swept = SweepResult([case[0] for case in found], None, values, _measured=measured)
+    notes = (swept.law_warnings, swept.energy_warnings, swept.jump_warnings)
+    for number, (*_, outcome) in enumerate(found):
+        for kind, lines in zip(notes, outcome.notes, strict=True):
+            if lines:
+                kind[number] = lines
+        if outcome.error is not None:
+            swept.errors[number] = outcome.error
+        else:
+            swept._ended.add(number)
+    return swept
+
+
+def _outcome(data: xr.Dataset, about: Mapping[str, Any], measured: bool) -> Outcome:
+    """Return the stored outcome of a case; a result stays in its file."""
+    notes = tuple(about["warnings"])
+    if about["error"] is not None:
+        return Outcome(error=_error(about["error"]), notes=notes)
+    if not measured:
+        return Outcome(notes=notes)
+    found = {unquote(str(name)): _plain(v.values) for name, v in data.variables.items()}
+    return Outcome(found if about["mapping"] else found["value"], notes=notes)
+
+
+def _packed(value: object) -> Any:  # noqa: ANN401
+    """Return a parameter as JSON has it: numbers and text as they are."""
+    value = plain(value)
+    if isinstance(value, Description):
+        return {"description": value.to_json(placeholders=True)}
+    if isinstance(value, tuple):
+        return [_packed(each) for each in value]
+    return value if isinstance(value, bool | int | float | str | None) else {"text": shown(value)}
+
+
+def _unpacked(value: Any) -> Any:  # noqa: ANN401
+    """Return the parameter that `_packed` made JSON of."""
+    if isinstance(value, list):
+        return tuple(_unpacked(each) for each in value)
+    if isinstance(value, dict):
+        given = value.get("description")
+        return value["text"] if given is None else Description.from_json(given)
+    return value
+
+
+def _order(parameters: Parameters) -> list[tuple[str, bool, float, str]]:
+    """Return what cases are sorted by: the name of each parameter, then numbers, then text."""
+    return [
+        (name, not number, float(value) if number else 0.0, "" if number else repr(value))
+        for name, value in parameters.items()
+        for number in [isinstance(value, int | float)]
+    ]
 
 
 def _variable(name: str, array: Any) -> tuple[tuple[str, ...], Any]:  # noqa: ANN401

@@ -107,7 +107,8 @@ def sweep(
         not run again: an interrupted sweep continues. Several sweeps may use a folder at once. Of
         functions, code and the numbers and functions of their module that it refers to count, not
         what other modules do. What is measured must then be numbers, arrays, or a dict of them;
-        without `measure`, results are read from the folder when they are accessed.
+        without `measure`, results are read from the folder when they are accessed. `load_sweep`
+        reads all cases of a folder.
     retry : bool
         Whether cases that are stored as failed are run again.
     progress : bool
@@ -223,7 +224,8 @@ class _Sweep:
     def take(self, case: Case, outcome: Outcome) -> None:
         """Take the outcome of a case; store it, unless it is the executor that failed."""
         if self._store is not None and outcome.made:
-            self._store.put(self._paths[case.number], case, outcome)
+            parameters = self.found.cases[case.number]
+            self._store.put(self._paths[case.number], case, outcome, parameters)
         self._keep(case.number, outcome)
 
     def _keep(self, number: int, outcome: Outcome) -> None:
