@@ -29,26 +29,55 @@ pub(crate) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<(
     }
     let chords = chords(pieces);
     check_turns(field, &chords, closed)?;
-    for (i, (first, [a, b])) in chords.iter().enumerate() {
-        for (j, (second, [c, d])) in chords.iter().enumerate().skip(i + 2) {
-            let size = (b - a).norm().max((d - c).norm());
+    let crossing = first_pair(&chords, closed, |[a, b], [c, d]| cross(a, b, c, d));
+    refuse(
+        field,
+        crossing,
+        "cross each other: give the points in the order in which the outline passes through them",
+    )?;
+    check_area(field, &chords, closed)?;
+    let touching = first_pair(&chords, closed, |first, second| {
+        distance(first, second) <= SAME_POINT * length(first).max(length(second))
+    });
+    refuse(
+        field,
+        touching,
+        "touch each other: move one of them aside, or make two outlines of it",
+    )
+}
+
+/// Return the length of a chord \[m\].
+fn length([from, to]: [Vec2; 2]) -> f64 {
+    (to - from).norm()
+}
+
+/// Return the pieces of the first two chords that are no neighbours and `meet`.
+fn first_pair(
+    chords: &[(usize, [Vec2; 2])],
+    closed: bool,
+    meet: impl Fn([Vec2; 2], [Vec2; 2]) -> bool,
+) -> Option<[usize; 2]> {
+    for (i, &(first, before)) in chords.iter().enumerate() {
+        for (j, &(second, after)) in chords.iter().enumerate().skip(i + 2) {
             // An open path may end where it begins.
-            let ends_meet = closed || (d - a).norm() <= SAME_POINT * size;
-            if i == 0 && j == chords.len() - 1 && ends_meet {
-                continue;
+            let size = length(before).max(length(after));
+            let ends_meet = closed || (after[1] - before[0]).norm() <= SAME_POINT * size;
+            let neighbours = i == 0 && j == chords.len() - 1 && ends_meet;
+            if !neighbours && meet(before, after) {
+                return Some([first, second]);
             }
-            let fault = if cross(*a, *b, *c, *d) {
-                "cross each other: give the points in the order in which the outline passes through them"
-            } else if distance([*a, *b], [*c, *d]) <= SAME_POINT * size {
-                "touch each other: move one of them aside, or make two outlines of it"
-            } else {
-                continue;
-            };
-            let numbers = format!("{} and {}", first + 1, second + 1);
-            return Err(Error::invalid(format!("pieces of {field}"), numbers, fault));
         }
     }
-    check_area(field, &chords, closed)
+    None
+}
+
+/// Return an error on two pieces with a `fault`, where there are any.
+fn refuse(field: &str, pieces: Option<[usize; 2]>, fault: &str) -> Result<()> {
+    let Some([first, second]) = pieces else {
+        return Ok(());
+    };
+    let numbers = format!("{} and {}", first + 1, second + 1);
+    Err(Error::invalid(format!("pieces of {field}"), numbers, fault))
 }
 
 /// Angle \[rad\] between two chords below which they count as parallel; also the least area of a closed path over its squared length.
