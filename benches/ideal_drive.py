@@ -1,7 +1,7 @@
 """Drives with ideal hinges beside the same drives with clearance: time, steps and energy residual.
 
-ANSI 40, 17 and 25 teeth, 1500 rpm, 5 N m of load. One line for each length of the chain, method and kind of
-hinges; processor time of one run. ``--quick`` leaves out the long chains.
+ANSI 40, 17 and 25 teeth, 1500 rpm, 5 N m of load. One line for each length of the chain, method and
+kind of hinges; processor time of one run. ``--quick`` leaves out the long chains.
 """
 
 import math
@@ -23,7 +23,7 @@ def drive(links, hinges):
 
 
 def row(links, hinges, method, duration):
-    """Return counts and times of a run of `duration` [s]."""
+    """Return counts and times of a run of `duration` [s] as a row of the table."""
     simulation = rc.Simulation(drive(links, hinges), solver=rc.Solver(method=method))
     begin = time.process_time()
     result = simulation.run(duration, report_step=REPORT_STEP, progress=False)
@@ -38,6 +38,7 @@ def row(links, hinges, method, duration):
 
 
 def main():
+    """Print the table."""
     quick = "--quick" in sys.argv
     print(
         "| links | hinges | method | steps a second | rejected a step | evaluations a step "
