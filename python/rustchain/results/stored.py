@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import extras
-from rustchain.arguments import plain
 from rustchain.errors import InvalidInput
 from rustchain.paths import check_there, shown_path
 from rustchain.results import netcdf
@@ -24,11 +23,11 @@ from rustchain.results.superblock import SIGNATURE, Unmarked, is_marked
 from rustchain.results.tables import JUMPS, array_of
 from rustchain.results.values import read_only
 
-END = "end"
-"""Name of the group that says how the run ended."""
+HEADER, END = "run/header", "run/end"
+"""Names of the texts of bytes, in JSON, that say what runs and how the run ended."""
 
 IDENTITY = "run_id"
-"""Name of the attribute with a random number, by which a file that was replaced is found out."""
+"""Name, in the header, of a random number by which a file that was replaced is found out."""
 
 _Made = TypeVar("_Made")
 _PAUSE = 0.05  # [s] between attempts; a piece is written in less
@@ -50,9 +49,8 @@ def is_streamed(path: object) -> bool:
 
 
 def checksum_of(attributes: Mapping[str, Any]) -> str:
-    """Return the checksum of the attributes of a file, which HDF5 does not check."""
-    own = {name: attributes[name] for name in sorted(attributes) if not name.startswith("_")}
-    own.pop("checksum", None)
+    """Return the checksum of the header of a file."""
+    own = {name: attributes[name] for name in sorted(attributes) if name != "checksum"}
     return hashlib.sha256(json.dumps(own).encode()).hexdigest()
 
 
@@ -60,12 +58,8 @@ def header_of(path: Path) -> Header:
     """Return all but the rows of a streamed file."""
 
     def read(file: Any) -> Header:  # noqa: ANN401
-        attributes = {name: plain(value) for name, value in file.attrs.items()}
-        attributes["format"] = attributes["format"][0]  # netCDF has numbers as arrays
-        if attributes.get("checksum") != checksum_of(attributes):
-            msg = "its attributes do not match their checksum"
-            raise ValueError(msg)
-        text = file[END]["text"][:].tobytes()
+        attributes = _attributes_of(file)
+        text = file[END][:].tobytes()
         series = {name: file[name] for name in file if _is_series(file[name])}
         arrays = StoredArrays(path, str(attributes[IDENTITY]), *_rows_of(series))
         constants = {
@@ -79,6 +73,19 @@ def header_of(path: Path) -> Header:
         return Header(attributes, arrays, constants | jumps, json.loads(text) if text else None)
 
     return _opened(path, read)
+
+
+def _attributes_of(file: Any) -> dict[str, Any]:  # noqa: ANN401
+    """Return the attributes of a file from its header.
+
+    The attributes themselves are texts of variable length, which HDF5 keeps without a checksum: it
+    reads a damaged one without end.
+    """
+    attributes: dict[str, Any] = json.loads(file[HEADER][:].tobytes())
+    if attributes.get("checksum") != checksum_of(attributes):
+        msg = "its header does not match its checksum"
+        raise ValueError(msg)
+    return attributes
 
 
 def _is_series(dataset: Any) -> bool:  # noqa: ANN401
@@ -118,7 +125,7 @@ def _opened(path: Path, read: Callable[[Any], _Made], identity: str | None = Non
             Unmarked(path) if marked else nullcontext(path) as there,
             h5py.File(there, "r", locking=locking) as file,
         ):
-            if identity is not None and file.attrs.get(IDENTITY) != identity:
+            if identity is not None and _attributes_of(file)[IDENTITY] != identity:
                 msg = (
                     f"path = {shown_path(path)}: was replaced by another run since it was loaded; "
                     "load it again"

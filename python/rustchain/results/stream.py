@@ -24,7 +24,7 @@ from rustchain import extras
 from rustchain.paths import new_file, path_of, shown_path, unwritable
 from rustchain.results import tables
 from rustchain.results.channels import VARIABLES
-from rustchain.results.stored import END, IDENTITY, checksum_of, header_of
+from rustchain.results.stored import END, HEADER, IDENTITY, checksum_of, header_of
 from rustchain.results.superblock import SIZE, end_of
 
 if TYPE_CHECKING:
@@ -168,6 +168,8 @@ class Stream:
         with h5netcdf.File(part, "w", libver="v110") as file:
             file.attrs.update(attributes)
             file.dimensions = {n: s for n, s in sizes.items() if n in used}
+            text = np.frombuffer(json.dumps(attributes).encode(), np.uint8)
+            file.create_group("run").dimensions = {"header": text.size, "end": None}
             for name, (dims, values, notes) in constant.items():
                 if values.dtype.kind == "U":
                     made = file.create_variable(name, dims, extras.h5py.string_dtype())
@@ -181,9 +183,10 @@ class Stream:
                 chunks = (rows, *values.shape[1:])
                 made = file.create_variable(name, dims, values.dtype, chunks=chunks, **packed)
                 made.attrs.update(notes)
-            group = file.create_group(END)
-            group.dimensions = {"byte": None}
-            group.create_variable("text", ("byte",), np.uint8, chunks=(4096,), fletcher32=True)
+            file.create_variable(
+                HEADER, ("header",), np.uint8, data=text, chunks=text.shape, fletcher32=True
+            )
+            file.create_variable(END, ("end",), np.uint8, chunks=(4096,), fletcher32=True)
 
     def _append(
         self, take: Callable[[], Rows], jumps: Callable[[], Jumps | None], taken: threading.Event
@@ -271,7 +274,7 @@ class Stream:
         try:
             self._check_ours()
             self._reserve(len(text))
-            self._extend(self._file[f"{END}/text"], np.frombuffer(text, np.uint8))
+            self._extend(self._file[END], np.frombuffer(text, np.uint8))
             self._file.flush()
         except Exception as error:
             self._error = self._error or self._told(error)

@@ -176,7 +176,7 @@ def test_programs_that_read_netcdf_read_a_streamed_file(streamed):
         assert list(data["body"].values) == list(result.body_names)
         assert data.encoding["unlimited_dims"] >= {"time"}
     with h5py.File(path) as file:
-        end = json.loads(file["end/text"][:].tobytes())
+        end = json.loads(file["run/end"][:].tobytes())
     assert (end["status"], end["message"]) == (result.status, result.message)
     np.testing.assert_array_equal(end["positions"], result.final_positions)
 
