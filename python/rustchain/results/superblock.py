@@ -48,6 +48,7 @@ class Unmarked(io.FileIO):
         super().__init__(path, "rb")
         start = bytearray(self.read(SIZE))
         if struct.unpack_from("<I", start, SIZE - 4)[0] != _lookup3(bytes(start[:-4])):
+            self.close()
             msg = "its superblock does not match its checksum"
             raise ValueError(msg)
         start[_MARK] = 0
