@@ -16,6 +16,7 @@ from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene, Start
 from rustchain.description.signals import Signal
 from rustchain.description.solver import Solver
+from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
 from rustchain.results.result import Result
 from rustchain.simulation.core import core_of, start_of

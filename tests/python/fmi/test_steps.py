@@ -106,7 +106,12 @@ def test_a_run_with_the_same_inputs_from_the_start_is_that_of_the_description(dr
 
 @pytest.mark.parametrize(
     ("force", "message"),
-    [(-1.0, "must be zero or a positive"), (np.nan, "(?i)nan"), (1e9, "at most"), ("x", "number in N")],
+    [
+        (-1.0, "must be zero or a positive"),
+        (np.nan, "(?i)nan"),
+        (1e9, "at most"),
+        ("x", "number in N"),
+    ],
 )
 def test_wrong_tensioner_forces_are_refused(drive, force, message):
     with pytest.raises(rc.InvalidInput, match=message):
