@@ -19,7 +19,10 @@ pub enum Error {
     #[error("{0}")]
     Impossible(String),
     /// The step size fell to the level of rounding.
-    #[error("step size fell to {step_size:.1e} s at t = {time:.9} s, {culprit}")]
+    #[error(
+        "step size fell to {step_size:.1e} s, the level of rounding, at t = {time:.9} s, {culprit}; check the inputs of this part, \
+         or raise rtol and atol, or accuracy where they are not given"
+    )]
     StepTooSmall {
         /// Time reached \[s\].
         time: f64,
@@ -46,7 +49,8 @@ pub enum Error {
     },
     /// Forces or positions are not finite.
     #[error(
-        "the solution is not a number within {step_size:.1e} s after t = {time:.9} s, {culprit}"
+        "the solution is not a number within {step_size:.1e} s after t = {time:.9} s, {culprit}; check masses, forces and functions \
+         of this part"
     )]
     NotFinite {
         /// Time reached \[s\].
@@ -72,8 +76,8 @@ pub enum Error {
     },
     /// The joint constraints of a mechanism are no longer compatible.
     #[error(
-        "the joints cannot all hold after t = {time:.9} s; the nearest miss {residuals}: the mechanism is jammed, \
-         driven past its reach, or rtol and atol are too large"
+        "no positions satisfy all joints after t = {time:.9} s; the nearest miss {residuals}: the mechanism is jammed or driven \
+         beyond its range, or rtol and atol are too large"
     )]
     JointsApart {
         /// Time reached \[s\].

@@ -110,7 +110,7 @@ impl BeltLine {
 }
 
 fn refuse<T>(why: &str) -> Result<T> {
-    Err(Error::Impossible(format!("no chain can be laid: {why}")))
+    Err(Error::Impossible(format!("no chain path exists: {why}")))
 }
 
 /// Return the pitch radius; zero for an invalid number of teeth, whose error the profile reports.

@@ -99,7 +99,7 @@ impl InputBounds {
             (InputQuantity::Speed, false) => Err(Error::invalid(
                 "sprocket",
                 name,
-                "turns as torque and chain make it: describe it with PrescribedSpeed to set its speed",
+                "has a speed that follows from torque and chain: describe it with PrescribedSpeed to set its speed",
             )),
         }
     }
@@ -112,7 +112,8 @@ impl InputBounds {
 pub(crate) fn sprocket_of<T>(sprockets: &[T], number: usize) -> Result<&T> {
     sprockets.get(number).ok_or_else(|| {
         let last = sprockets.len();
-        let expected = format!("is no sprocket of this drive: take sprocket_1 to sprocket_{last}");
+        let expected =
+            format!("is not a sprocket of this drive; expected sprocket_1 to sprocket_{last}");
         let name = format!("sprocket_{}", number.saturating_add(1));
         Error::invalid("sprocket", name, expected)
     })

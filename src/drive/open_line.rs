@@ -74,7 +74,7 @@ impl<'a> OpenLine<'a> {
     pub(crate) fn down(&self, end: usize) -> Result<Vec2, String> {
         self.down.ok_or_else(|| {
             format!(
-                "without gravity end {} has no way to hang: give its position",
+                "without gravity the strand at end {} has no direction: give the end's position",
                 end + 1
             )
         })
@@ -90,7 +90,7 @@ impl<'a> OpenLine<'a> {
         let sine = (to_radius - from_radius) / apart.norm();
         if sine.abs() >= 1.0 {
             return Err(format!(
-                "there is no straight way from ({:.4}, {:.4}) m to ({:.4}, {:.4}) m beside the sprockets there: they overlap, or an \
+                "there is no straight line from ({:.4}, {:.4}) m to ({:.4}, {:.4}) m beside the sprockets there: they overlap, or an \
                  end lies in a sprocket",
                 from.x, from.y, to.x, to.y
             ));

@@ -292,7 +292,7 @@ impl Arm {
             return Err(Error::invalid(
                 "GuideArm.travel",
                 format!("({back}, {out})"),
-                "must be how far the plunger can go back and out in m: two numbers, not negative and not both zero",
+                "must be the travel of the plunger back and out in m: two numbers, not negative and not both zero",
             ));
         }
         Ok(())

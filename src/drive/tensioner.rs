@@ -83,7 +83,7 @@ impl Tensioner {
             return Err(Error::invalid(
                 "Tensioner.travel",
                 format!("({back}, {forth})"),
-                "must be how far the centre can move against the pull and along it in m: two numbers, not negative and not both \
+                "must be the travel of the centre against the tension force and along it in m: two numbers, not negative and not both \
                  zero",
             ));
         }
@@ -192,7 +192,7 @@ impl Tensioner {
                 },
                 format!("({:.4}, {:.4})", direction.x, direction.y),
                 format!(
-                    "must tighten the chain: moved so, sprocket {} would take up {share:.3} of its way; along ({:.4}, {:.4}) it \
+                    "must tighten the chain: sprocket {} moved so takes up {share:.3} of its displacement; along ({:.4}, {:.4}) it \
                      takes up {:.3}",
                     self.sprocket,
                     against.x / against.norm(),

@@ -47,7 +47,8 @@ impl InitialConfiguration {
                 // Avoids a negative zero in the message.
                 let back = |along: f64| (-1e4 * along).round() / 1e4 + 0.0;
                 Error::Impossible(format!(
-                    "guide {} stands in the laid chain by {inside:.3} mm: move it back, out of its face's direction ({:.4}, \
+                    "guide {} overlaps the chain of the initial configuration by {inside:.3} mm: move it back, out of its face's \
+                     direction ({:.4}, \
                      {:.4}), or put it on an arm, which is swung clear",
                     number + 1,
                     back(rail.direction.x),
@@ -60,7 +61,7 @@ impl InitialConfiguration {
                 let out = turn * rail.lever(&arm);
                 if -out > arm.travel[0] {
                     return Err(Error::Impossible(format!(
-                        "guide {}: for its arm to begin clear of the laid chain, its plunger would have to go back by {:.3} mm, past \
+                        "guide {}: for its arm to start clear of the chain, its plunger would have to go back by {:.3} mm, past \
                          its stop at {:.3} mm (GuideArm.travel): move it back, out of its face's direction, or let it go back farther",
                         number + 1,
                         -1e3 * out,
@@ -79,7 +80,7 @@ impl InitialConfiguration {
             let (nearest, gap, bushings) = lie.of(&hinges);
             if bushings == 0 && !matches!(rail.mount, Mount::Arm(_)) {
                 layout.warnings.push(format!(
-                    "guide {} has no bushing within half a pitch of it, the nearest at {:.1} mm: nothing bears on it",
+                    "guide {} has no bushing within half a pitch of it, the nearest at {:.1} mm: it has no contact",
                     number + 1,
                     1e3 * gap
                 ));

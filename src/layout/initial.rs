@@ -63,7 +63,8 @@ impl InitialConfiguration {
         }
         Err(why.unwrap_or_else(|| {
             Error::Impossible(format!(
-                "the chain cannot be laid: the places of eccentric teeth, of eccentricities {:?} m, do not settle; take smaller \
+                "the chain has no initial configuration: the places of eccentric teeth, of eccentricities {:?} m, do not settle; \
+                 take smaller \
                  ones or other angles",
                 (drive.sprockets.iter())
                     .map(|sprocket| sprocket.faults.eccentricity)

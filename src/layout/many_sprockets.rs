@@ -186,7 +186,7 @@ impl<'a> Around<'a> {
     fn refuse<T>(&self, why: &str) -> Result<T> {
         let chain = &self.drive.chain;
         Err(Error::Impossible(format!(
-            "the chain cannot be laid: {} links, where a taut chain has {:.3} pitches: {why}; these centres {}",
+            "the chain has no initial configuration: {} links, where a taut chain has {:.3} pitches: {why}; these centres {}",
             chain.links,
             self.line.pitches(self.drive),
             remedy(chain, self.links_that_close())

@@ -160,7 +160,7 @@ impl<'a> OpenChainLayout<'a> {
             let left = wrap + (left - wrap + PI).rem_euclid(TAU) - PI;
             if wrap < gap {
                 return Err(format!(
-                    "sprocket {} is wrapped by {:.1} degrees, less than one tooth ({:.1}): stand it in the chain's way, or on its \
+                    "sprocket {} is wrapped by {:.1} degrees, less than one tooth ({:.1}): place it in the chain path, or on its \
                      other side",
                     i + 1,
                     wrap.to_degrees(),

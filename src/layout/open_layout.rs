@@ -18,8 +18,11 @@ pub(super) fn lay(drive: &Drive, ends: &[ChainEnd; 2]) -> Result<(InitialConfigu
     let profiles = (drive.sprockets.iter())
         .map(|sprocket| sprocket.tooth_profile(&drive.chain))
         .collect::<Result<Vec<_>>>()?;
-    let laid = find(drive, ends, &profiles)
-        .map_err(|why| Error::Impossible(format!("the open chain cannot be laid: {why}")))?;
+    let laid = find(drive, ends, &profiles).map_err(|why| {
+        Error::Impossible(format!(
+            "the open chain has no initial configuration: {why}"
+        ))
+    })?;
     let forward = forward_rate(drive, &laid);
     let velocities = hinge_velocities(drive, ends, &laid, forward);
     let mut layout = layout(drive, &profiles, &laid, forward);

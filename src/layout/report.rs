@@ -136,7 +136,7 @@ fn tightness_warning(drive: &Drive) -> Option<String> {
     (shortage >= LEAST_SHORTAGE).then(|| {
         format!(
             "ideal hinges do not open: where the polygon effect tightens it most, the chain is {:.1} um too short for these \
-             centres, and bushings pressed into their seats pull it with about {tension:.0} N, more at speed; move a centre in \
+             centres, and its tension is about {tension:.0} N, more at speed; move a centre in \
              until the strands have so much more length, or take a tensioner, hinges='clearance', or sprockets with room in \
              their seats (AnsiTooth(seat='pitch-circle'))",
             1e6 * shortage
@@ -170,8 +170,8 @@ fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
     let sum = 2.0 * tensioner.pretension + GIVES_WAY * drive.chain.pitch * tensioner.stiffness;
     (needed > sum).then(|| {
         format!(
-            "the load of {torque:.4} N m on sprocket {} needs {needed:.1} N more in one strand than in the other, and the tensioner keeps \
-             {sum:.1} N in both together: the chain will jump teeth; take a pretension of {:.1} N or more",
+            "the load of {torque:.4} N m on sprocket {} needs {needed:.1} N more in one strand than in the other, and the tensioner \
+             maintains a sum of {sum:.1} N: the chain will jump teeth; take a pretension of {:.1} N or more",
             i + 1,
             tensioner.pretension + 0.5 * (needed - sum)
         )
@@ -279,7 +279,7 @@ impl Layout {
                 let (one, two) = (chain_speed(*first), chain_speed(*other));
                 if (one - two).abs() > 0.01 * one.abs().max(two.abs()) {
                     warnings.push(format!(
-                        "sprockets {} and {} start at {:.4} and {:.4} rad/s, which pull the chain at different speeds",
+                        "sprockets {} and {} start at {:.4} and {:.4} rad/s, which move the chain at different speeds",
                         first + 1,
                         other + 1,
                         self.speeds[*first],

@@ -130,7 +130,8 @@ impl<'a> Place<'a> {
         let needed = wrap::belt_length(pitch, self.teeth(), self.center_distance);
         let refuse = |why: String| {
             Err(Error::Impossible(format!(
-                "the chain cannot be laid: {} links at a centre distance of {:.6} m, where a taut chain has {needed:.3} pitches: \
+                "the chain has no initial configuration: {} links at a centre distance of {:.6} m, where a taut chain has \
+                 {needed:.3} pitches: \
                  {why}{}",
                 chain.links,
                 self.center_distance,

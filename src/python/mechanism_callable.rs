@@ -79,9 +79,8 @@ fn explained(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
         return error;
     }
     let told = InvalidInput::new_err(format!(
-        "function of force {name:?}: uses the simulation that is calling it, which is within a step: a callable has \
-         its arguments (time, position and velocity of its body) to go by; put what else it needs into it before the \
-         run"
+        "function of force {name:?}: uses the simulation that calls it, which is within a step: a callable may use its arguments \
+         (time, position and velocity of its body) and values stored before the run only"
     ));
     told.set_cause(py, Some(error));
     told

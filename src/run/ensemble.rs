@@ -109,7 +109,7 @@ impl Ensemble {
             .build()
             .map_err(|error| {
                 Error::Impossible(format!(
-                    "cannot start {threads} threads ({error}): ask for fewer"
+                    "cannot start {threads} threads ({error}): request fewer"
                 ))
             })?;
         Ok(Self {

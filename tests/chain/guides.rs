@@ -275,7 +275,7 @@ fn a_blade_begins_clear_of_the_chain_and_a_rail_in_it_is_refused() {
         .unwrap_err()
         .to_string();
     assert!(
-        message.contains("guide 1 stands in the laid chain by"),
+        message.contains("guide 1 overlaps the chain of the initial configuration by"),
         "{message}"
     );
 }

@@ -199,7 +199,7 @@ fn what_a_sprocket_does_not_have_is_refused_by_name() {
         (
             2,
             Quantity::Speed,
-            "sprocket_3: is no sprocket of this drive",
+            "sprocket_3: is not a sprocket of this drive",
         ),
         (
             0,
@@ -209,7 +209,7 @@ fn what_a_sprocket_does_not_have_is_refused_by_name() {
         (
             1,
             Quantity::Speed,
-            "sprocket_2: turns as torque and chain make it",
+            "sprocket_2: has a speed that follows from torque and chain",
         ),
     ] {
         let error = run.set_input(sprocket, quantity, 1.0.into()).unwrap_err();

@@ -363,9 +363,9 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
     );
     let mut weightless = strand(20, [anchor(0.0, 0.0), ChainEnd::loose()]);
     weightless.gravity = Vec2::zeros();
-    assert!(refusal(&weightless).contains("without gravity end 2 has no way to hang"));
+    assert!(refusal(&weightless).contains("without gravity the strand at end 2 has no direction"));
     let nowhere = strand(20, [ChainEnd::loose(), ChainEnd::loose()]);
-    assert!(refusal(&nowhere).contains("nothing says where it is"));
+    assert!(refusal(&nowhere).contains("its position is undefined"));
     let mut beside = hoist(40, 14, 1.0, SprocketMotion::Free);
     beside
         .sprockets

@@ -222,7 +222,7 @@ fn starts_in_material_and_outlines_the_wrong_way_round_are_refused() {
     let pressed = ball(outline(&corners, true), linear(0.0), (0.5, 1.09));
     let warnings = simulation(&pressed, 1e-8).assembly().warnings.clone();
     assert!(
-        warnings[0].contains("pressed in by 1.000e-2 m"),
+        warnings[0].contains("at a penetration of 1.000e-2 m"),
         "{warnings:?}"
     );
 }

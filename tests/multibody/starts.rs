@@ -57,7 +57,7 @@ fn a_start_in_one_line_is_told_unless_velocities_say_how_it_goes_on() {
     let mut placed = parallelogram(0.0);
     let found = warnings(&placed);
     assert!(
-        told(&found, line) && !told(&found, "others hold"),
+        told(&found, line) && !told(&found, "redundant"),
         "{found:?}"
     );
     placed.joints.push(Joint::new(
@@ -79,7 +79,7 @@ fn a_start_in_one_line_is_told_unless_velocities_say_how_it_goes_on() {
     twice.joints.push(again);
     let found = warnings(&twice);
     assert!(
-        !told(&found, line) && told(&found, "others hold"),
+        !told(&found, line) && told(&found, "redundant"),
         "{found:?}"
     );
 }

@@ -119,7 +119,7 @@ fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
     let law = law.name();
     format!(
         "{law} law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
-         the force goes on with the secant's stiffness"
+         the force continues with the secant stiffness"
     )
 }
 

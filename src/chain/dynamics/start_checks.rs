@@ -60,7 +60,7 @@ fn check_hinges(dynamics: &Dynamics) -> Result<()> {
             model.link_name((k + 1) % model.links)
         ),
         format!(
-            "hinge {} is torn: its pin and bushing are {:.3e} m apart, with a clearance of {:.3e} m",
+            "hinge {} is open: its pin and bushing are {:.3e} m apart, with a clearance of {:.3e} m",
             k + 1,
             apart(k),
             model.hinges.clearance
@@ -101,7 +101,7 @@ fn check_ends(model: &Model, start: &InitialConfiguration) -> Result<()> {
                 format!("velocities of {}", model.link_name(end.body)),
                 format!("({vx}, {vy}, {spin})"),
                 format!(
-                    "it moves as it is told: must be ({}, {}, 0) at the start",
+                    "its velocity is prescribed: must be ({}, {}, 0) at the start",
                     given.x, given.y
                 ),
             ));
@@ -166,7 +166,7 @@ pub(crate) fn check_start(model: &Model, start: &InitialConfiguration) -> Result
                     return refuse(
                         format!("({vx}, {vy})"),
                         format!(
-                            "its tensioner lets it slide along ({}, {}) only, where it begins",
+                            "its tensioner permits displacement along ({}, {}) only, at its start",
                             tangent.x, tangent.y
                         ),
                     );

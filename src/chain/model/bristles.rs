@@ -81,12 +81,12 @@ fn doubt(law: &LuGre, place: &str) -> Option<String> {
     );
     if found > SOFTEST {
         Some(format!(
-            "{what}, more than {SOFTEST:.0e} m: contacts spring where they should stick; make stiffness {:.1e}/m or more",
+            "{what}, more than {SOFTEST:.0e} m: contacts oscillate where they should stick; raise stiffness to {:.1e}/m or more",
             law.static_coefficient / SOFTEST
         ))
     } else if found < STIFFEST {
         Some(format!(
-            "{what}, less than {STIFFEST:.0e} m: steps follow them, and grow short; make stiffness {:.1e}/m or less",
+            "{what}, less than {STIFFEST:.0e} m: they shorten the steps; reduce stiffness to {:.1e}/m or less",
             law.static_coefficient / STIFFEST
         ))
     } else {

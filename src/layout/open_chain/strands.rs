@@ -106,7 +106,7 @@ impl OpenChainLayout<'_> {
             }
             [None, None] => {
                 return Err(
-                    "nothing says where it is: give one of its ends a position, or run it over a sprocket"
+                    "its position is undefined: give one of its ends a position, or run it over a sprocket"
                         .to_string(),
                 );
             }

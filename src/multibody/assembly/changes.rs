@@ -96,12 +96,11 @@ impl MechanismDynamics {
         let whole = [
             (
                 placed,
-                "to assemble: are lengths and positions in the same unit, and is it placed as it should be?",
+                "to assemble: check its position, and that lengths and positions have the same unit",
             ),
             (
                 moving,
-                "to fulfil joints and drivers: does it belong to them? Velocities of bodies that these lead may be \
-                 left out",
+                "to satisfy joints and drivers: check it; velocities of bodies that these determine may be left out",
             ),
         ];
         whole

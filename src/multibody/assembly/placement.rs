@@ -92,7 +92,7 @@ impl MechanismDynamics {
                     format!("start of contact {name:?}"),
                     format!("{depth:.3e} m"),
                     format!(
-                        "is how deep the centre of the circle, of radius {} m, lies in the material{hole}: place the \
+                        "is the penetration of the centre of the circle, of radius {} m, into the material{hole}: place the \
                          bodies so that they touch at most at their surfaces",
                         contact.radius
                     ),
@@ -118,9 +118,8 @@ impl MechanismDynamics {
         warnings.extend(self.far_moves(&assembly.state));
         if between {
             warnings.push(
-                "the mechanism is placed in a singular position, such as with all bars in one line, where two ways of \
-                 moving meet: without velocities that say which is meant it begins between them; give the bodies \
-                 velocities, or place it beside"
+                "the mechanism starts in a singular position, such as all bars in one line, from which two motions are possible: \
+                 without velocities it starts between them; give the bodies velocities, or another position"
                     .to_string(),
             );
         }
@@ -147,12 +146,11 @@ fn told_redundant(names: &[String]) -> Option<String> {
     let last = joints.pop()?;
     if joints.is_empty() {
         return Some(format!(
-            "joint {last} holds something that others hold already; its reaction is shared in the least way"
+            "joint {last} is redundant; its reaction is that of least norm"
         ));
     }
     Some(format!(
-        "joints {} and {last} hold something that others hold already ({} equations); their reactions are shared in the \
-         least way",
+        "joints {} and {last} are redundant ({} equations); their reactions are those of least norm",
         joints.join(", "),
         names.len()
     ))

@@ -61,7 +61,7 @@ impl MechanismDynamics {
             equation.motion.as_ref().filter(|motion| motion.moves())?;
             let unit = if equation.is_angle() { "rad" } else { "m" };
             Some(format!(
-                "driver {:?} asks for {:.4e} {unit}, changing at {:.4e} {unit}/s",
+                "driver {:?} prescribes {:.4e} {unit}, changing at {:.4e} {unit}/s",
                 self.model.joints[equation.joint].name,
                 equation.quantity(&self.frames) - row.value,
                 -row.time_rate
@@ -78,13 +78,13 @@ impl MechanismDynamics {
     pub(crate) fn refuse(&self) -> Error {
         if self.worst() <= 1e-9 {
             return Error::Impossible(format!(
-                "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may ask \
-                 for different speeds, or a driver may move what the joints hold",
+                "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may prescribe \
+                 different speeds, or a driver may contradict the joints",
                 self.rates()
             ));
         }
         Error::Impossible(format!(
-            "the mechanism does not go together; the nearest positions miss {}: check lengths, points and units of \
+            "the mechanism cannot be assembled; the nearest positions miss {}: check lengths, points and units of \
              these joints (SI: metres, radians)",
             self.misses()
         ))

@@ -13,8 +13,8 @@ impl MechanismDynamics {
         let found = contacts.filter(|(contact, _)| contact.is_behind(&self.frames));
         let found = found.map(|(_, name)| {
             format!(
-                "contact {name:?}: its circle begins behind the open outline, and touches nothing until it has come out \
-                 in front: the material lies on the left of the way through the points; reverse their order if the \
+                "contact {name:?}: its circle starts behind the open outline and has no contact until it is in front: the material \
+                 lies on the left of the direction through the points; reverse their order if the \
                  circle is in front"
             )
         });
@@ -29,8 +29,8 @@ impl MechanismDynamics {
             let depth = contact.penetration(&self.frames, &self.memory[sides.clone()]);
             (depth > PRESSED * contact.radius).then(|| {
                 format!(
-                    "contact {name:?} begins with its circle of radius {} m pressed in by {depth:.3e} m: it will \
-                     spring back; is the body placed as it should be?",
+                    "contact {name:?} starts with its circle of radius {} m at a penetration of {depth:.3e} m: it will rebound; \
+                     check the position of the body",
                     contact.radius
                 )
             })

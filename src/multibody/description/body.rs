@@ -72,7 +72,7 @@ impl Body {
             return Err(Error::invalid(
                 field("velocity"),
                 format!("{:?}", self.velocity),
-                "must be zero for a body that is held: leave it out, or let the body go and drive it",
+                "must be zero for a fixed body: leave it out, or free the body and drive it",
             ));
         }
         Ok(())

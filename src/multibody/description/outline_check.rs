@@ -114,7 +114,7 @@ fn check_area(field: &str, chords: &[(usize, [Vec2; 2])], closed: bool) -> Resul
     if closed && area.abs() <= ALONG * length * length {
         return Err(Error::invalid(
             format!("points of {field}"),
-            format!("an area of {area:.3e} m^2 within a way of {length:.3e} m"),
+            format!("an area of {area:.3e} m^2 within a length of {length:.3e} m"),
             "enclose nothing: a closed outline needs points on three sides of its material; closed=False makes a line",
         ));
     }

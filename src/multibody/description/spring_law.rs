@@ -58,7 +58,7 @@ impl SpringLaw {
                 return Err(Error::invalid(
                     format!("{name} of {field}"),
                     value,
-                    "stands beside a table, which takes its place: give one of them",
+                    "excludes a table: give one of them",
                 ));
             }
         }

@@ -52,7 +52,7 @@ impl Mechanism {
         let least = if largest > 0.0 {
             let least = LEAST_SHARE * largest;
             format!(
-                "; {least:.1e} {unit}, {LEAST_SHARE:e} of the largest of the mechanism, is the least that is of use"
+                "; {least:.1e} {unit}, {LEAST_SHARE:e} of the largest of the mechanism, is the smallest useful value"
             )
         } else {
             String::new()

@@ -55,7 +55,7 @@ impl<S: System> Snapshot<S> {
         let rest = bytes.strip_prefix(MAGIC);
         let (version, rest) = rest
             .and_then(<[u8]>::split_first_chunk)
-            .ok_or_else(|| refuse("hold no state of rustchain: pass what `state` gave"))?;
+            .ok_or_else(|| refuse("hold no state of rustchain; expected the value of `state()`"))?;
         let version = u32::from_le_bytes(*version);
         if version != VERSION {
             return Err(Error::invalid(
@@ -124,7 +124,7 @@ impl<S: System> Simulation<S> {
             return Err(Error::invalid(
                 "state",
                 "its content",
-                "contradicts itself: take the state once more",
+                "is inconsistent: take the state once more",
             ));
         };
         self.defect = None;

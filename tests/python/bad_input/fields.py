@@ -263,7 +263,7 @@ FIELDS = {
         "stiffness": not_negative("N/m"),
         "travel": [
             *[(value, "two numbers (x, y)") for value in NO_VECTOR if value is not None],
-            *[(value, "how far the centre can move") for value in ((0, 0), (NAN, 1.0), (-1, 2))],
+            *[(value, "the travel of the centre") for value in ((0, 0), (NAN, 1.0), (-1, 2))],
         ],
         "pivot": [(value, "two numbers (x, y)") for value in NO_VECTOR if value is not None],
         "arm_inertia": [*not_negative("kg m^2"), (1.0, "must be 0 without a pivot")],
@@ -279,7 +279,7 @@ FIELDS = {
         "damping_back": [case for case in not_negative("N s/m") if case[0] is not None],
         "travel": [
             *[(value, "two numbers (x, y)") for value in NO_VECTOR if value is not None],
-            *[(value, "how far the plunger can go") for value in ((0, 0), (NAN, 1.0), (-1, 2))],
+            *[(value, "the travel of the plunger") for value in ((0, 0), (NAN, 1.0), (-1, 2))],
         ],
         "inertia": positive("kg m^2"),
         "ratchet": [case for case in not_negative("m") if case[0] is not None],

@@ -85,7 +85,7 @@ def test_a_state_has_what_was_set_in_it(simulation, tmp_path):
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda s: s.set_speed("sprocket_3", 1.0), "sprocket_3: is no sprocket of this drive"),
+        (lambda s: s.set_speed("sprocket_3", 1.0), "sprocket_3: is not a sprocket of this drive"),
         (lambda s: s.set_speed("wheel", 1.0), "'wheel': must be such as 'sprocket_2'"),
         (lambda s: s.set_speed(True, 1.0), "True: must be such as"),
         (lambda s: s.set_speed("sprocket_2", 1.0), "describe it with PrescribedSpeed"),

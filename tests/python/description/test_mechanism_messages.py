@@ -201,7 +201,7 @@ def test_a_callable_that_uses_its_simulation_is_told_what_is_not_allowed():
     mechanism.add_callable("own", "bar", load)
     simulation = rc.Simulation(mechanism)
     seen.append(simulation)
-    says = 'function of force "own": uses the simulation that is calling it'
+    says = 'function of force "own": uses the simulation that calls it'
     with pytest.raises(rc.InvalidInput, match=says):
         simulation.run(duration=0.1, progress=False)
     seen.clear()
@@ -221,7 +221,9 @@ def test_a_driver_past_its_reach_is_named_with_what_it_asks():
         point_b=(0.5, 0.0),
     )
     simulation = rc.Simulation(mechanism)
-    with pytest.raises(rc.SimulationError, match=r'driver "lift" asks for 1\.\d+e0 m, changing at'):
+    with pytest.raises(
+        rc.SimulationError, match=r'driver "lift" prescribes 1\.\d+e0 m, changing at'
+    ):
         simulation.run(duration=1.0, progress=False)
     assert 0.4 < simulation.time < 0.6
 

@@ -98,7 +98,9 @@ def test_a_guide_that_cannot_be_is_refused_by_name(field):
 
 def test_a_rail_in_the_chain_is_refused_with_how_far():
     rail = rc.GuideRail(center=(0.136, 0.04), direction=(0.0, -1.0), length=0.1)
-    with pytest.raises(ValueError, match=r"guide 1 stands in the laid chain by \d"):
+    with pytest.raises(
+        ValueError, match=r"guide 1 overlaps the chain of the initial configuration by \d"
+    ):
         replace(guided(), guides=[rail]).check()
 
 

@@ -200,7 +200,7 @@ def test_drivers_follow_their_functions():
         (lambda m: m.add_body("heavy", "1", 1.0), "mass.*must be a number"),
         (
             lambda m: m.add_revolute("far", "ground", "bar", (9.0, 0.0), (0.5, 0.0)),
-            "go together.*far",
+            "cannot be assembled.*far",
         ),
         (lambda m: m.add_driver("w", "ground", "bar", angle=rc.Table([(0, 0), (1, 1)])), "corners"),
         (lambda m: m.add_driver("w", "ground", "bar"), "exactly one"),
@@ -428,7 +428,7 @@ def test_assembly_finds_the_nearest_position_from_a_stretched_one(turned):
 def test_what_cannot_assemble_is_told_by_what_the_nearest_positions_miss(length, gap):
     mechanism = pendulum()
     mechanism.add_distance("tie", "ground", "bar", point_a=(0.0, 5.0), length=length)
-    with pytest.raises(ValueError, match="does not go together") as refused:
+    with pytest.raises(ValueError, match="cannot be assembled") as refused:
         rc.Simulation(mechanism)
     missed = dict(re.findall(r'"(\w+)" by (\S+) m', str(refused.value)))
     # The least sum of squares shares the gap between the two, a distance by its square.

@@ -208,7 +208,7 @@ def test_what_an_open_chain_cannot_be_is_refused():
             output()
     velocities = np.array(rc.Simulation(strand()).velocities)
     velocities[-1, 0] = 1.0
-    with pytest.raises(rc.InvalidInput, match="moves as it is told"):
+    with pytest.raises(rc.InvalidInput, match="its velocity is prescribed"):
         rc.Simulation(strand(), velocities=velocities)
 
 

@@ -700,7 +700,7 @@ def test_links_that_are_torn_apart_are_refused():
     calm = rc.Simulation(rc.paper_drive())
     positions = calm.positions
     positions[16, 1] += 0.01
-    with pytest.raises(rc.InvalidInput, match=r"positions = link_16 and link_17: hinge 16 is torn"):
+    with pytest.raises(rc.InvalidInput, match=r"positions = link_16 and link_17: hinge 16 is open"):
         rc.Simulation(rc.paper_drive(), positions=positions, velocities=calm.velocities)
 
 

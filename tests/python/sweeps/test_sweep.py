@@ -339,7 +339,7 @@ def test_failing_cases_leave_the_others_alone_and_are_told_once():
     cases = [
         {"pretension": 0},
         {"pretension": -1},  # refused as a value
-        {"chain.links": 20},  # cannot be laid
+        {"chain.links": 20},  # no initial configuration
         {"chain.material.elastic_modulus": 1e300},  # fails under way, at the first contact
         {"pretension": 25},
     ]
@@ -356,7 +356,7 @@ def test_failing_cases_leave_the_others_alone_and_are_told_once():
         drive = rc.paper_drive(cases[place]["pretension"])
         assert swept.values[place] == peak(rc.Simulation(drive).run(**SHORT))
     assert "Tensioner.pretension = -1" in str(swept.errors[1])
-    assert "the chain cannot be laid" in str(swept.errors[2])
+    assert "the chain has no initial configuration" in str(swept.errors[2])
     error = swept.errors[3]
     assert isinstance(error, rc.SimulationError)
     assert error.__notes__[-1].startswith("in case 3 (chain.material.elastic_modulus=1e+300")
