@@ -14,9 +14,9 @@ EXTENSION := python/rustchain/_rustchain.abi3.so
 SYSTEM := $(shell uname -s)
 ENDING := $(if $(filter Linux,$(SYSTEM)),so,$(if $(filter Darwin,$(SYSTEM)),dylib,dll))
 FMI_LIBRARY := python/rustchain/fmi/rustchain_fmi.$(ENDING)
-# Command of cargo, and the folder of its target in that of all targets.
-build-fmu = CARGO_PROFILE_RELEASE_STRIP=symbols cargo $(1) --release --locked --quiet --lib --features fmu --target-dir target/fmu && \
-	cp target/fmu/$(2)release/$(if $(filter dll,$(ENDING)),,lib)rustchain.$(ENDING) $(FMI_LIBRARY)
+# Command of cargo, the folder of all targets, and that of this target in it.
+build-fmu = $(1) --release --locked --quiet --lib --features fmu --target-dir $(2) -- -C strip=symbols && \
+	cp $(2)/$(3)release/$(if $(filter dll,$(ENDING)),,lib)rustchain.$(ENDING) $(FMI_LIBRARY)
 RUST_SOURCES := $(shell find src -name '*.rs') Cargo.toml Cargo.lock
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
@@ -63,11 +63,11 @@ $(EXTENSION): $(STAMPS)/build-tools $(RUST_SOURCES)
 
 fmu: $(FMI_LIBRARY) ## Build the library of FMUs, which export_fmu packs: no Python in it
 
-# Other features than the extension's: with a folder of its own, neither build discards the other.
+# The dependencies are those of the extension; maturin has taken its copy of the library that this one replaces.
 $(FMI_LIBRARY): $(RUST_SOURCES)
 	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
 	@echo "==> building the library of FMUs (release)"
-	$(call build-fmu,build)
+	$(call build-fmu,cargo rustc,target)
 
 # --- what it is for
 
@@ -172,7 +172,7 @@ HOST = $(shell rustc -vV | sed -n 's/^host: //p')
 dist: $(STAMPS)/dist-tools ## Wheel and source archive into dist/
 	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
 	rm -rf dist
-	$(if $(MANYLINUX),PATH="$(CURDIR)/$(BIN):$$PATH" $(call build-fmu,zigbuild --target $(HOST).2.17,$(HOST)/),$(call build-fmu,build))
+	$(if $(MANYLINUX),PATH="$(CURDIR)/$(BIN):$$PATH" $(call build-fmu,cargo-zigbuild rustc --target $(HOST).2.17,target/fmu,$(HOST)/),$(call build-fmu,cargo rustc,target))
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --locked --sdist --out dist $(MANYLINUX)
 	$(if $(MANYLINUX),$(BIN)/auditwheel show dist/*.whl)
 
