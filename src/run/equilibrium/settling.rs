@@ -144,7 +144,7 @@ impl Settling {
             refinements += u32::from(refines);
             if residual <= allowed && !refines {
                 // The forces are in balance on the stored surfaces, which may differ from the present ones.
-                let remembers = self.iterations >= BETWEEN_MEMORIES && renewals < MOST_RENEWALS;
+                let remembers = renewals < MOST_RENEWALS;
                 if remembers {
                     renewals += 1;
                     self.dynamics.remember_present_contacts(0.0, &self.y);
