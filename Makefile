@@ -98,8 +98,8 @@ test-rust: ## cargo test
 	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
 	cargo test
 
-test-python: build fmu $(STAMPS)/test-tools ## pytest; PYTEST_ARGS="-k name" chooses
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+test-python: build fmu $(STAMPS)/test-tools ## pytest on all cores; PYTEST_ARGS="-k name" chooses
+	$(BIN)/python -m pytest -n auto $(PYTEST_ARGS)
 
 stress: build ## Random legal scenes, 20 s each at most, and what came of them; STRESS_ARGS="--seeds 0:500"
 	$(BIN)/python tests/stress/run.py $(STRESS_ARGS)
