@@ -15,7 +15,18 @@ from rustchain.plot import Plots
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"
-COMMANDS = {"run", "check", "plot", "animate", "report", "sweep", "study", "catalogue", "schema"}
+COMMANDS = {
+    "run",
+    "check",
+    "plot",
+    "animate",
+    "report",
+    "sweep",
+    "study",
+    "catalogue",
+    "schema",
+    "fmu",
+}
 
 
 def rustchain(*arguments, **keywords):

@@ -57,7 +57,7 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
         ),
         (
             lambda m: m.add_body("x", 1.0, 1.0, velocity=(1.0, 0.0, 0.0), fixed=True),
-            'velocity of body "x" .*held',
+            'velocity of body "x" .*fixed body',
         ),
         (
             lambda m: m.add_body("x", "heavy", 1.0),
@@ -101,7 +101,10 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
             lambda m: m.add_sprocket_contact("d", "ground", "bar", 1, 2, LAW),
             "sprocket of contact 'd' = 1: must be a Sprocket",
         ),
-        (lambda m: outline(m, points=[(x, y + 2.5) for x, y in SQUARE]), "in the material: place"),
+        (
+            lambda m: outline(m, points=[(x, y + 2.5) for x, y in SQUARE]),
+            "into the material: place",
+        ),
         (lambda m: outline(m, points=SQUARE[::-1]), "run clockwise.*reverse their order"),
     ],
 )

@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rustchain as rc
+from rustchain.simulation.recording import Recording
 
 ALL = ("hinges", "teeth", "sprockets", "bodies", "energy")
 REST = 1e-3  # [s]
@@ -165,16 +166,16 @@ def test_a_state_before_the_first_step_is_a_state():
 
 def test_after_an_interrupted_run_the_state_goes_on_alike(monkeypatch, tmp_path):
     simulation = rc.Simulation(rc.paper_drive())
-    advance, calls = rc.Simulation._advance, []
+    advance, calls = Recording._advance, []
 
-    def interrupted(self, duration, progress):
+    def interrupted(self, duration, progress, looks):
         # Slices without wall time, of a row or a few steps: the machine does not decide the end.
         calls.extend(self._core.advance(0.0) for _ in range(800))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(rc.Simulation, "_advance", interrupted)
+    monkeypatch.setattr(Recording, "_advance", interrupted)
     result = simulation.run(10.0, 1e-5, progress=False)
-    monkeypatch.setattr(rc.Simulation, "_advance", advance)
+    monkeypatch.setattr(Recording, "_advance", advance)
     assert not any(calls)
     assert simulation._core.stats()["onsets"] > 0
     assert result.status == "interrupted"
