@@ -2,14 +2,12 @@
 
 pub(crate) mod cholesky;
 pub(crate) mod double_double;
-mod hermite;
 mod piecewise;
 mod real;
 mod signal;
 pub mod simd;
 pub(crate) mod sparse_kkt;
 
-pub(crate) use hermite::Hermite;
 pub use piecewise::{Spline, Table};
 pub(crate) use real::{Real, Truth};
 pub use signal::Signal;

@@ -147,6 +147,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             let ([begin, end], panel) = self.section_of((i - 1) / POINTS);
             let inner = INNER.get((i - 1) % POINTS).map_or(1.0, |inner| *inner);
             let part = begin + (end - begin) * ((inner + panel as f64) / self.fineness as f64);
+            self.evaluations += 1;
             self.powers[i] = powers_at(part, step.start + part * length);
         }
         self.powers[last] = at_end;
@@ -159,9 +160,9 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         }
     }
 
-    /// Counts evaluations of the right-hand side.
-    pub(crate) fn count_evaluations(&mut self, evaluations: u64) {
-        self.evaluations += evaluations;
+    /// Counts an evaluation at the end of a step.
+    pub(crate) fn count_evaluation(&mut self) {
+        self.evaluations += 1;
     }
 
     /// Powers at the points of a panel.

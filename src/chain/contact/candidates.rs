@@ -47,15 +47,6 @@ pub(crate) struct Run {
     pub(crate) slot: usize,
 }
 
-/// Return the slot of a bushing of a chain of `links` links; `None` where it is in none of the runs.
-pub(crate) fn slot_of(runs: &[Run], bushing: usize, links: usize) -> Option<usize> {
-    // The distance along the ring, modulo the number of links, also finds bushings behind the end of the chain.
-    runs.iter().find_map(|run| {
-        let place = (bushing + links - run.first) % links;
-        (place < run.length).then_some(run.slot + place)
-    })
-}
-
 /// Candidates of one sprocket: runs of bushings, and arrays over their slots.
 #[derive(Debug, Clone)]
 pub(crate) struct SprocketCandidates {
@@ -100,6 +91,15 @@ impl SprocketCandidates {
     pub(crate) fn bushings(&self, links: usize) -> impl Iterator<Item = (usize, usize)> {
         self.runs.iter().flat_map(move |run| {
             (0..run.length).map(move |i| (run.slot + i, (run.first + i) % links))
+        })
+    }
+
+    /// Return the slot of a bushing; `None` where it is no candidate.
+    fn slot_of(&self, bushing: usize, links: usize) -> Option<usize> {
+        // The distance along the ring, modulo the number of links, also finds bushings behind the end of the chain.
+        self.runs.iter().find_map(|run| {
+            let place = (bushing + links - run.first) % links;
+            (place < run.length).then_some(run.slot + place)
         })
     }
 
@@ -272,7 +272,7 @@ impl Candidates {
     /// Return the tooth gap of sprocket `s` with bushing `k` at the last evaluation; `None` where the pair is no candidate.
     pub(crate) fn gap(&self, model: &Model, s: usize, k: usize) -> Option<u32> {
         let candidates = &self.sprockets[s];
-        let slot = slot_of(&candidates.runs, k, model.links)?;
+        let slot = candidates.slot_of(k, model.links)?;
         Some(candidates.gap[slot])
     }
 
@@ -284,7 +284,7 @@ impl Candidates {
         s: usize,
         k: usize,
     ) {
-        if let Some(slot) = slot_of(&self.sprockets[s].runs, k, model.links) {
+        if let Some(slot) = self.sprockets[s].slot_of(k, model.links) {
             self.sprockets[s].remember(model, memory, s, slot, k);
         }
     }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Dynamics, Inputs, Pair, Powers};
 use crate::chain::contact::{CarriedCandidates, ImpactMemory, ToothJumps};
 use crate::chain::model::Input;
-use crate::chain::rhs::{StepPaths, Watch};
+use crate::chain::rhs::Watch;
 use crate::geometry::Surface;
 use crate::system::EnergyQuadrature;
 
@@ -21,7 +21,6 @@ pub struct Checkpoint {
     unseen_touches: u64,
     keeps_energy: bool,
     quadrature: EnergyQuadrature<Powers>,
-    paths: Option<StepPaths>,
     parted: Vec<Pair>,
     hinge_past_range: Option<String>,
     tooth_past_range: Option<String>,
@@ -40,7 +39,6 @@ impl Dynamics {
             unseen_touches: self.events.unseen_touches,
             keeps_energy: self.keeps_energy,
             quadrature: self.quadrature.clone(),
-            paths: (self.tracer.as_ref()).map(|tracer| tracer.paths.clone()),
             parted: self.events.parted.clone(),
             hinge_past_range: self.past_ranges.hinge.clone(),
             tooth_past_range: self.past_ranges.tooth.clone(),
@@ -59,7 +57,6 @@ impl Dynamics {
         dynamics.inputs.set.clone_from(&carried.inputs);
         dynamics.use_instructions(self.instructions());
         dynamics.quadrature.refine(self.quadrature.fineness());
-        dynamics.tracer = dynamics.tracer.filter(|_| self.tracer.is_some());
         let there = |pair: &Pair| match *pair {
             Pair::Hinge(k) => k < dynamics.memory.hinge_speed().len(),
             Pair::Roller(k) => k < dynamics.memory.roller_speed().len(),
@@ -82,11 +79,6 @@ impl Dynamics {
         }
         dynamics.quadrature.carry_on(&carried.quadrature);
         dynamics.kernels.watch.carry_on(&carried.watch);
-        match (&mut dynamics.tracer, &carried.paths) {
-            (Some(tracer), Some(paths)) => tracer.carry_on(paths, links)?,
-            (None, None) => {}
-            _ => return None,
-        }
         dynamics.events.unseen_touches = carried.unseen_touches;
         dynamics.memory = carried.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;

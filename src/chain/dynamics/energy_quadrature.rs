@@ -7,9 +7,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::Dynamics;
-use crate::chain::rhs::{Inside, PathTracer};
 use crate::integrator::{Adams, Step};
-use crate::math::Hermite;
 use crate::math::simd::{Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
 
 /// Values and slopes at both ends of a step: what the path inside it is interpolated from.
@@ -50,11 +48,6 @@ impl StepEnds {
         adams.write_slope(&mut self.end_slope[..y.len()]);
     }
 
-    /// Component `i` between both ends.
-    fn at(&self, cubic: &Hermite<f64>, i: usize) -> f64 {
-        cubic.at([self.y[i], self.slope[i]], [self.end[i], self.end_slope[i]])
-    }
-
     /// The end of this step is the start of the next one.
     fn advance(&mut self) {
         std::mem::swap(&mut self.y, &mut self.end);
@@ -75,7 +68,11 @@ impl WithSimd for Between<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let cubic = Hermite::<Lanes<S>>::new(simd, self.part, self.length);
+        let (part, rest) = (self.part, 1.0 - self.part);
+        let splat = |value| Lanes::splat(simd, value);
+        let from = splat((1.0 + 2.0 * part) * rest * rest);
+        let from_slope = splat(self.length * part * rest * rest);
+        let to_slope = splat(-self.length * part * part * rest);
         let blocks = self.y.len() / S::F64_LANES;
         let StepEnds {
             y,
@@ -87,18 +84,18 @@ impl WithSimd for Between<'_> {
         let slopes = [slope, end_slope].map(|slope| vectors::<S>(slope, blocks));
         let y = vectors_mut::<S>(self.y, blocks);
         for b in 0..blocks {
-            let start = [load(simd, &ends[0][b]), load(simd, &slopes[0][b])];
-            let end = [load(simd, &ends[1][b]), load(simd, &slopes[1][b])];
-            y[b] = cubic.at(start, end).values();
+            let [start, end] = ends.map(|y| load(simd, &y[b]));
+            let [rise, fall] = slopes.map(|slope| load(simd, &slope[b]));
+            let bend = rise.mul_add(from_slope, fall * to_slope);
+            y[b] = (from.mul_add(start - end, end) + bend).values();
         }
     }
 }
 
 impl Dynamics {
-    /// Divides each section of a step into `fineness` panels from now on, with powers from evaluations of the right-hand side.
+    /// Divides each section of a step into `fineness` panels from now on.
     pub(crate) fn refine_quadrature(&mut self, fineness: usize) {
         self.quadrature.refine(fineness);
-        self.tracer = None;
     }
 
     /// Keeps energy and lets its sums grow from the present state of `adams` on.
@@ -107,7 +104,6 @@ impl Dynamics {
         self.differentiate(adams.time(), adams.y());
         self.quadrature.begin(adams.time(), self.powers);
         self.resume_energy_quadrature(adams);
-        self.trace_start(adams.time());
     }
 
     /// Takes the present state of `adams` as the start of the next step, when energy is kept.
@@ -123,77 +119,23 @@ impl Dynamics {
         }
     }
 
-    /// Takes the contacts at the start of the next step, which begins at `t` \[s\], as those of its start.
-    pub(super) fn trace_start(&mut self, t: f64) {
-        if let Some(tracer) = &mut self.tracer {
-            let (y, slope) = (&self.ends.y, &self.ends.slope);
-            let state = (t, &y[..self.slope.len()], &slope[..self.slope.len()]);
-            self.kernels
-                .trace(&self.model, &self.memory.pawls, state, false, tracer);
-            tracer.advance();
-        }
-    }
-
     /// Adds the energies of the step just made, when they are kept; call after [`Self::finish_step`] and after all that looks at
     /// the contacts at the step's end, which are not the last ones evaluated any more.
     pub(super) fn add_energies_of_step(&mut self, adams: &Adams, step: &Step) {
         if !self.keeps_energy {
             return;
         }
-        self.ends.end(adams);
-        // Contacts are many: where in the step one began or ended is not located for the quadrature.
-        let kinks: &[f64] = if self.kernels.changed() { &[0.5] } else { &[] };
-        if let Some(mut tracer) = self.tracer.take() {
-            self.integrate_along_paths(adams, &mut tracer, step, kinks);
-            self.tracer = Some(tracer);
-        } else {
-            self.integrate_evaluations(adams, step, kinks);
-        }
-        self.ends.advance();
-    }
-
-    /// Adds the energies of a step from the paths of its contacts.
-    fn integrate_along_paths(
-        &mut self,
-        adams: &Adams,
-        tracer: &mut PathTracer,
-        step: &Step,
-        kinks: &[f64],
-    ) {
-        let (model, memory, ends) = (&self.model, &self.memory, &self.ends);
-        let (length, dimension) = (step.end - step.start, self.slope.len());
-        let state = (
-            step.end,
-            &ends.end[..dimension],
-            &ends.end_slope[..dimension],
-        );
-        let nearby = adams.evaluation_differs_from_solution();
-        self.kernels
-            .trace(model, &memory.pawls, state, nearby, tracer);
-        let powers_at = |part: f64, t: f64| {
-            let inside = Inside { part, length, t };
-            let cubic = Hermite::new((), part, length);
-            let value = |i: usize| (ends.at(&cubic, i), ends.at(&cubic, model.coordinates + i));
-            self.kernels
-                .powers_inside(model, memory, tracer, inside, value)
-        };
-        self.powers = powers_at(1.0, step.end);
-        self.quadrature
-            .add_step(step, kinks, self.powers, powers_at);
-        tracer.advance();
-    }
-
-    /// Adds the energies of a step from evaluations of the right-hand side inside it.
-    fn integrate_evaluations(&mut self, adams: &Adams, step: &Step, kinks: &[f64]) {
         let mut quadrature = std::mem::take(&mut self.quadrature);
         let mut y = std::mem::take(&mut self.inside);
         let mut slope = std::mem::take(&mut self.slope);
+        self.ends.end(adams);
         let length = step.end - step.start;
+        // Contacts are many: where in the step one began or ended is not located for the quadrature.
+        let kinks: &[f64] = if self.kernels.changed() { &[0.5] } else { &[] };
         let coordinates = self.model.coordinates;
-        let mut evaluations = 0;
         if adams.evaluation_differs_from_solution() {
             self.accelerate(step.end, adams.y(), &mut slope[coordinates..]);
-            evaluations += 1;
+            quadrature.count_evaluation();
         }
         let at_end = self.powers;
         quadrature.add_step(step, kinks, at_end, |part, t| {
@@ -204,10 +146,9 @@ impl Dynamics {
                 y: &mut y,
             });
             self.accelerate(t, &y[..slope.len()], &mut slope[coordinates..]);
-            evaluations += 1;
             self.powers
         });
-        quadrature.count_evaluations(evaluations);
+        self.ends.advance();
         (self.quadrature, self.inside, self.slope) = (quadrature, y, slope);
         self.powers = at_end;
     }

@@ -41,7 +41,7 @@ pub(crate) use start_checks::check_start;
 use crate::chain::contact::ImpactMemory;
 use crate::chain::model::Model;
 use crate::chain::report::Reader;
-use crate::chain::rhs::{Kernels, PathTracer};
+use crate::chain::rhs::Kernels;
 use crate::integrator::OdeSystem;
 use crate::math::simd::{InstructionSet, padded};
 pub use crate::system::Energy;
@@ -67,8 +67,6 @@ pub struct Dynamics {
     inputs: Inputs,
     /// Both ends of the metered step, or the start of the next one.
     ends: StepEnds,
-    /// Contacts at both ends of the metered step, where its powers follow from them.
-    tracer: Option<Box<PathTracer>>,
     events: ContactEvents,
     past_ranges: PastRanges,
     /// Scratch: derivative of the state.
@@ -97,7 +95,6 @@ impl Dynamics {
             quadrature: EnergyQuadrature::new(),
             inputs: Inputs::new(&model),
             ends: StepEnds::new(2 * model.coordinates),
-            tracer: PathTracer::of(&model).map(Box::new),
             events: ContactEvents::new(&model),
             past_ranges: PastRanges::default(),
             slope: vec![0.0; 2 * model.coordinates],

@@ -59,9 +59,6 @@ impl Dynamics {
             self.ends.begin(y, &slope);
         }
         self.slope = slope;
-        if self.keeps_energy {
-            self.trace_start(t);
-        }
     }
 
     /// Remove the onset of an open pair from the counts, unless the pair ended in the last step: that onset was before the step.

@@ -14,7 +14,7 @@ use crate::force_law::ElasticLaw;
 use crate::math::simd::{
     Lanes, WIDTH, lane_numbers, load, partial_load, sin_cos, vectors, vectors_mut,
 };
-pub(super) use ends::{Arms, End, Links, behind_last, last_links};
+use ends::{Arms, End, Links, behind_last, last_links};
 use hinges::Hinges;
 
 pub(crate) use hinges::Joints;
@@ -83,11 +83,8 @@ impl<
         let whole = blocks - 1;
         let splat = |value| Lanes::splat(simd, value);
         let arrays = self.arrays;
-        Point {
-            angle: self.places[2],
-            arrays,
-        }
-        .with_simd(simd);
+        point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
+        point_sprockets::<S>(simd, arrays);
         let (mut hinges, direction) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>::new(
             simd,
             self.hinges,
@@ -100,7 +97,7 @@ impl<
         let [vx, vy, spin] = self.speeds;
         let links = [x, y, vx, vy, spin];
         let last = last_links(simd, links, whole * S::F64_LANES);
-        let fronts = Links::<S, 5>::of(links, 0, whole);
+        let fronts = Links::<S>::of(links, 0, whole);
         let front_arms = Arms::<S>::of(&self.constants.front_arm, direction, 0, blocks);
         let rear_arms = Arms::<S>::of(&self.constants.rear_arm, direction, 1, blocks);
         if S::F64_LANES == WIDTH {
@@ -127,7 +124,7 @@ impl<
             let rear = End::new(behind, rear_arms.at(simd, whole));
             hinges.join(whole, &front, &rear);
         } else {
-            let rears = Links::<S, 5>::of(links, 1, whole);
+            let rears = Links::<S>::of(links, 1, whole);
             for i in 0..whole {
                 let front = End::new(fronts.at(simd, i), front_arms.at(simd, i));
                 let rear = End::new(rears.at(simd, i), rear_arms.at(simd, i));
@@ -150,50 +147,37 @@ impl<
     }
 }
 
-/// Kernel that writes cosines and sines of the links' and the sprockets' angles; a copy of the first link's follows the last.
-pub(super) struct Point<'a> {
-    /// Angles of the links \[rad\].
-    pub(super) angle: &'a [f64],
-    pub(super) arrays: &'a mut ChainArrays,
-}
-
-impl WithSimd for Point<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let ChainArrays {
-            sprocket_angle,
-            sprocket_cos,
-            sprocket_sin,
-            cos,
-            sin,
-            ..
-        } = self.arrays;
-        let n = self.angle.len();
-        let (whole, rest) = S::as_simd_f64s(self.angle);
-        let blocks = whole.len() + usize::from(!rest.is_empty());
-        {
-            let (cos, sin) = (vectors_mut::<S>(cos, blocks), vectors_mut::<S>(sin, blocks));
-            for (i, angle) in whole.iter().enumerate() {
-                let (s, c) = sin_cos(load(simd, angle));
-                (cos[i], sin[i]) = (c.values(), s.values());
-            }
-            if !rest.is_empty() {
-                let (s, c) = sin_cos(partial_load(simd, rest));
-                (cos[blocks - 1], sin[blocks - 1]) = (c.values(), s.values());
-            }
-        }
-        cos[n] = cos[0];
-        sin[n] = sin[0];
-        let blocks = sprocket_angle.len() / S::F64_LANES;
-        let angle = vectors::<S>(sprocket_angle, blocks);
-        let cos = vectors_mut::<S>(sprocket_cos, blocks);
-        let sin = vectors_mut::<S>(sprocket_sin, blocks);
-        for i in 0..blocks {
-            let (s, c) = sin_cos(load(simd, &angle[i]));
+/// Write cosines and sines of the links' angles; a copy of the first follows the last.
+#[inline(always)]
+fn point<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
+    let n = angle.len();
+    let (whole, rest) = S::as_simd_f64s(angle);
+    let blocks = whole.len() + usize::from(!rest.is_empty());
+    {
+        let (cos, sin) = (vectors_mut::<S>(cos, blocks), vectors_mut::<S>(sin, blocks));
+        for (i, angle) in whole.iter().enumerate() {
+            let (s, c) = sin_cos(load(simd, angle));
             (cos[i], sin[i]) = (c.values(), s.values());
         }
+        if !rest.is_empty() {
+            let (s, c) = sin_cos(partial_load(simd, rest));
+            (cos[blocks - 1], sin[blocks - 1]) = (c.values(), s.values());
+        }
+    }
+    cos[n] = cos[0];
+    sin[n] = sin[0];
+}
+
+/// Write cosines and sines of the sprockets' angles.
+#[inline(always)]
+fn point_sprockets<S: Simd>(simd: S, arrays: &mut ChainArrays) {
+    let blocks = arrays.sprocket_angle.len() / S::F64_LANES;
+    let angle = vectors::<S>(&arrays.sprocket_angle, blocks);
+    let cos = vectors_mut::<S>(&mut arrays.sprocket_cos, blocks);
+    let sin = vectors_mut::<S>(&mut arrays.sprocket_sin, blocks);
+    for i in 0..blocks {
+        let (s, c) = sin_cos(load(simd, &angle[i]));
+        (cos[i], sin[i]) = (c.values(), s.values());
     }
 }
 

@@ -11,7 +11,7 @@ use super::gap::{Form, Gap, GapConstants};
 use super::layout::ChainArrays;
 use super::pose::SprocketPose;
 use super::{Kernels, on_teeth};
-use crate::chain::contact::{Candidates, Run, SprocketCandidates, slot_of};
+use crate::chain::contact::{Candidates, Run, SprocketCandidates};
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 use crate::math::simd::{
@@ -161,7 +161,11 @@ impl Watch {
             for (start, end) in start.iter().zip(end.iter_mut()) {
                 end.fill(0.0);
                 for (slot, bushing) in candidates.bushings(links) {
-                    end[slot] = slot_of(runs, bushing, links).map_or(0.0, |before| start[before]);
+                    let before = runs.iter().find_map(|run| {
+                        let place = (bushing + links - run.first) % links;
+                        (place < run.length).then_some(run.slot + place)
+                    });
+                    end[slot] = before.map_or(0.0, |before| start[before]);
                 }
             }
             std::mem::swap(start, end);

@@ -21,7 +21,6 @@ mod loops;
 pub(crate) mod pose;
 mod readout;
 pub(crate) mod slopes;
-mod step_paths;
 mod surface_table;
 mod teeth;
 
@@ -32,7 +31,6 @@ use gap::ToothConstants;
 use layout::{ChainArrays, LinkConstants};
 use pose::SprocketPose;
 pub(crate) use readout::ToothReadings;
-pub(crate) use step_paths::{Inside, PathTracer, StepPaths};
 
 use crate::chain::contact::{Candidates, ImpactMemory, Seated};
 use crate::chain::dynamics::{Losses, Powers, SprocketLoad, outside_powers};
@@ -186,7 +184,9 @@ impl Kernels {
         if let Some(ends) = &model.ends {
             self.chain.forget_open_hinges(ends);
         }
-        self.turn_poses();
+        for (s, pose) in self.poses.iter_mut().enumerate() {
+            pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
+        }
         let rolling = model.rollers.as_ref().map(|of| {
             if model.hinges.has_friction() {
                 let spins = &y[model.coordinates + 2 * model.links..][..model.links];
@@ -271,13 +271,6 @@ impl Kernels {
                 direction: [1.0, 0.0],
             };
             *place = angle;
-        }
-    }
-
-    /// Copy the directions of the sprockets to their poses.
-    fn turn_poses(&mut self) {
-        for (s, pose) in self.poses.iter_mut().enumerate() {
-            pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
         }
     }
 }

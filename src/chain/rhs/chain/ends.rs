@@ -4,61 +4,69 @@ use pulp::Simd;
 
 use crate::math::simd::{Lanes, Mask, load, partial_load, vectors};
 
-/// Quantities of links from a first link on, such as x, y \[m\], dx/dt, dy/dt \[m/s\] and dθ/dt \[rad/s\].
-pub(crate) struct Links<'a, S: Simd, const N: usize>([&'a [S::f64s]; N]);
+/// x, y \[m\], dx/dt, dy/dt \[m/s\] and dθ/dt \[rad/s\] of links, from a first link on.
+pub(super) struct Links<'a, S: Simd>([&'a [S::f64s]; 5]);
 
-impl<'a, S: Simd, const N: usize> Links<'a, S, N> {
+impl<'a, S: Simd> Links<'a, S> {
     /// Return `blocks` vectors from link `first` on.
     #[inline(always)]
-    pub(crate) fn of(links: [&'a [f64]; N], first: usize, blocks: usize) -> Self {
-        let mut all: [&'a [S::f64s]; N] = [&[]; N];
-        for (vectors_of, array) in all.iter_mut().zip(links) {
-            *vectors_of = vectors::<S>(&array[first..], blocks);
-        }
-        Self(all)
+    pub(super) fn of([x, y, vx, vy, spin]: [&'a [f64]; 5], first: usize, blocks: usize) -> Self {
+        Self([
+            vectors::<S>(&x[first..], blocks),
+            vectors::<S>(&y[first..], blocks),
+            vectors::<S>(&vx[first..], blocks),
+            vectors::<S>(&vy[first..], blocks),
+            vectors::<S>(&spin[first..], blocks),
+        ])
     }
 
     /// Return vector `i` of links.
     #[inline(always)]
-    pub(crate) fn at(&self, simd: S, i: usize) -> [Lanes<S>; N] {
-        let mut all = [Lanes::splat(simd, 0.0); N];
-        for (lanes, array) in all.iter_mut().zip(self.0) {
-            *lanes = load(simd, &array[i]);
-        }
-        all
+    pub(super) fn at(&self, simd: S, i: usize) -> [Lanes<S>; 5] {
+        let [x, y, vx, vy, spin] = self.0;
+        [
+            load(simd, &x[i]),
+            load(simd, &y[i]),
+            load(simd, &vx[i]),
+            load(simd, &vy[i]),
+            load(simd, &spin[i]),
+        ]
     }
 }
 
 /// Return the last vector of links, from link `from` on; lanes behind the last link are zero.
 #[inline(always)]
-pub(crate) fn last_links<S: Simd, const N: usize>(
-    simd: S,
-    links: [&[f64]; N],
-    from: usize,
-) -> [Lanes<S>; N] {
-    let mut all = [Lanes::splat(simd, 0.0); N];
-    for (lanes, array) in all.iter_mut().zip(links) {
-        *lanes = partial_load(simd, &array[from..]);
-    }
-    all
+pub(super) fn last_links<S: Simd>(simd: S, links: [&[f64]; 5], from: usize) -> [Lanes<S>; 5] {
+    let [x, y, vx, vy, spin] = links;
+    [
+        partial_load(simd, &x[from..]),
+        partial_load(simd, &y[from..]),
+        partial_load(simd, &vx[from..]),
+        partial_load(simd, &vy[from..]),
+        partial_load(simd, &spin[from..]),
+    ]
 }
 
 /// Return the vector that begins one link later; its last entry is the first link of the chain.
 #[inline(always)]
-pub(crate) fn behind_last<S: Simd, const N: usize>(
-    links: [&[f64]; N],
-    last: [Lanes<S>; N],
+pub(super) fn behind_last<S: Simd>(
+    links: [&[f64]; 5],
+    last: [Lanes<S>; 5],
     from: usize,
-) -> [Lanes<S>; N] {
-    let mut all = last;
-    for (lanes, array) in all.iter_mut().zip(links) {
-        *lanes = lanes.followed_by(array[0], array.len() - from);
-    }
-    all
+) -> [Lanes<S>; 5] {
+    let [x, y, vx, vy, spin] = links;
+    let count = x.len() - from;
+    [
+        last[0].followed_by(x[0], count),
+        last[1].followed_by(y[0], count),
+        last[2].followed_by(vx[0], count),
+        last[3].followed_by(vy[0], count),
+        last[4].followed_by(spin[0], count),
+    ]
 }
 
 /// Positions of ends along their links, and directions of the links, from a first link on.
-pub(crate) struct Arms<'a, S: Simd> {
+pub(super) struct Arms<'a, S: Simd> {
     arm: &'a [S::f64s],
     cos: &'a [S::f64s],
     sin: &'a [S::f64s],
@@ -67,7 +75,7 @@ pub(crate) struct Arms<'a, S: Simd> {
 impl<'a, S: Simd> Arms<'a, S> {
     /// Return `blocks` vectors; the directions begin with link `first`.
     #[inline(always)]
-    pub(crate) fn of(
+    pub(super) fn of(
         arm: &'a [f64],
         [cos, sin]: [&'a [f64]; 2],
         first: usize,
@@ -82,7 +90,7 @@ impl<'a, S: Simd> Arms<'a, S> {
 
     /// Return arm, cosine and sine of vector `i` of links.
     #[inline(always)]
-    pub(crate) fn at(&self, simd: S, i: usize) -> [Lanes<S>; 3] {
+    pub(super) fn at(&self, simd: S, i: usize) -> [Lanes<S>; 3] {
         [
             load(simd, &self.arm[i]),
             load(simd, &self.cos[i]),
@@ -93,19 +101,19 @@ impl<'a, S: Simd> Arms<'a, S> {
 
 /// One end of each link of a SIMD vector.
 #[derive(Clone, Copy)]
-pub(crate) struct End<S: Simd> {
-    pub(crate) x: Lanes<S>,
-    pub(crate) y: Lanes<S>,
-    pub(crate) vx: Lanes<S>,
-    pub(crate) vy: Lanes<S>,
+pub(super) struct End<S: Simd> {
+    pub(super) x: Lanes<S>,
+    pub(super) y: Lanes<S>,
+    pub(super) vx: Lanes<S>,
+    pub(super) vy: Lanes<S>,
     /// Angular velocity of the link \[rad/s\].
-    pub(crate) spin: Lanes<S>,
+    pub(super) spin: Lanes<S>,
 }
 
 impl<S: Simd> End<S> {
     /// Return `here` shifted by one lane, with the first lane of `next` in the last lane.
     #[inline(always)]
-    pub(crate) fn moved_on(here: &Self, next: &Self, last_lane: Mask<S>) -> Self {
+    pub(super) fn moved_on(here: &Self, next: &Self, last_lane: Mask<S>) -> Self {
         let mut moved = *next;
         moved.x = here.x.moved_on(next.x, last_lane);
         moved.y = here.y.moved_on(next.y, last_lane);
@@ -117,7 +125,7 @@ impl<S: Simd> End<S> {
 
     /// Return the ends at `arm` from the centres: x + arm (cos, sin), with velocity v + arm dθ/dt (-sin, cos).
     #[inline(always)]
-    pub(crate) fn new([x, y, vx, vy, spin]: [Lanes<S>; 5], [arm, cos, sin]: [Lanes<S>; 3]) -> Self {
+    pub(super) fn new([x, y, vx, vy, spin]: [Lanes<S>; 5], [arm, cos, sin]: [Lanes<S>; 3]) -> Self {
         let turn = arm * spin;
         Self {
             x: arm.mul_add(cos, x),
