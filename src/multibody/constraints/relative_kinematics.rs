@@ -204,6 +204,7 @@ impl Pair {
         }
         let along = by_place * force.force;
         for k in ANGLES {
+            #[allow(clippy::needless_range_loop)] // l is a column of one line and a line of another
             for l in 0..6 {
                 let bend = along.dot(&self.second(k, l));
                 block[k][l] += bend;

@@ -66,9 +66,9 @@ fn solutions_of_a_closed_chain_are_those_of_dense_factors_and_vanishing_blocks_a
         neighbours[j].insert(i);
     }
     let mut lu = BlockLu::new(&sizes, bodies, &neighbours);
-    for joint in bodies..n {
+    for (joint, its_bodies) in neighbours.iter().enumerate().skip(bodies) {
         let after_its_bodies = |&body: &usize| lu.place(body) < lu.place(joint);
-        assert!(neighbours[joint].iter().all(after_its_bodies));
+        assert!(its_bodies.iter().all(after_its_bodies));
     }
     let first: Vec<usize> = (0..n).map(|i| sizes[..i].iter().sum()).collect();
     let total: usize = sizes.iter().sum();
