@@ -10,10 +10,6 @@ use crate::multibody::forces::force_slopes::add_twist;
 /// above that of the factors.
 const SOFT: f64 = 1e-11;
 
-/// The same of mechanisms with redundant constraints. A pivot of a dependent constraint is ε itself, so that it exceeds the round-off of
-/// factors without pivoting between blocks. With 1e-11 thirty posts under a platform swing 8e-5 rad off through their singular position.
-const SOFT_OF_REDUNDANT: f64 = 1e-9;
-
 /// Rotation 2 γ ω of the fastest body \[rad\] up to which the change of the rows of points along the correction is omitted, where
 /// multipliers are unknowns of Newton's method.
 ///
@@ -32,11 +28,6 @@ impl MechanismDynamics {
         };
         let spins = self.frames.iter().map(|frame| frame.spin.abs());
         let turn = 2.0 * gamma * spins.fold(0.0, f64::max);
-        let soft = if self.rank < self.rows.len() {
-            SOFT_OF_REDUNDANT
-        } else {
-            SOFT
-        };
         let rows_change = !(self.stage.active && turn <= LITTLE_TURN);
         for (i, equation) in self.model.equations.iter().enumerate() {
             let row = &self.rows[i];
@@ -60,7 +51,7 @@ impl MechanismDynamics {
             }
             saddle.add_row(row_places, &row.jacobian, &across);
             let held = self.kkt.as_ref().map_or(0.0, |kkt| kkt.diagonal(row));
-            saddle.add_diagonal(n + i, -soft * held);
+            saddle.add_diagonal(n + i, -SOFT * held);
         }
     }
 
