@@ -211,12 +211,22 @@ impl Evolving for DriveSystem {
     fn remember(&mut self, step: &Accepted<'_>) {
         let (hinges, teeth) = (self.hinges.clone(), self.teeth.clone());
         for &(k, _) in hinges.iter().filter(|(_, touching)| *touching) {
-            let (_, rate) = self.onset(step, |d| (d.hinges.penetration[k], d.hinges.rate[k]));
+            let (_, rate) = self.onset(step, |d| {
+                (
+                    d.evaluated.hinges.penetration[k],
+                    d.evaluated.hinges.rate[k],
+                )
+            });
             self.dynamics.memory.begin_hinge(k, rate);
         }
         let mut memory = self.dynamics.memory.clone();
         for &(pair, _) in teeth.iter().filter(|(_, touching)| *touching) {
-            let find = |d: &Dynamics| (d.teeth.penetration[pair], d.teeth.rate[pair]);
+            let find = |d: &Dynamics| {
+                (
+                    d.evaluated.teeth.penetration[pair],
+                    d.evaluated.teeth.rate[pair],
+                )
+            };
             let (t, rate) = self.onset(step, find);
             self.depth_at(step, t, find);
             memory.begin_tooth(pair, rate, self.dynamics.evaluated.teeth.surface[pair]);
