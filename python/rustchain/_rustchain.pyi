@@ -75,7 +75,10 @@ def static_start(
     tooth_law: ForceLaw | None,
     min_impact_velocity: float,
 ) -> dict[str, Any]:
-    """Return positions and velocities of a chain at rest, and how well it rests."""
+    """Return positions, velocities and tooth surfaces of a chain at rest, and how well it rests.
+
+    A surface is (bushing, sprocket, surface), each from 0.
+    """
 
 def fmu_scene(
     drive: ChainDrive,
@@ -198,6 +201,7 @@ class Core:
         solver: Solver,
         positions: npt.NDArray[np.float64] | None,
         velocities: npt.NDArray[np.float64] | None,
+        surfaces: Sequence[tuple[int, int, int]] = ...,
     ) -> Core: ...
     @property
     def body_names(self) -> list[str]:
@@ -282,6 +286,7 @@ class Case:
         energy: bool,
         positions: npt.NDArray[np.float64] | None,
         velocities: npt.NDArray[np.float64] | None,
+        surfaces: Sequence[tuple[int, int, int]] = ...,
     ) -> Case: ...
 
 @final

@@ -14,7 +14,7 @@ use crate::run::simulation::Simulation;
 use crate::system::{Channel, Recording, Values, hash};
 
 /// Version of the file; every change of the contents has a new version.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// Recorded groups of the channels of output variables.
 pub(super) const GROUPS: Groups = Groups {

@@ -24,12 +24,15 @@ const MOST_TURNS: u32 = 12;
 const SETTLED: f64 = 1e-10;
 
 /// Positions and velocities of all bodies at time zero.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct InitialConfiguration {
     /// (x, y, θ) of every body \[m, m, rad\].
     pub positions: Vec<[f64; 3]>,
     /// Their rates \[m/s, m/s, rad/s\].
     pub velocities: Vec<[f64; 3]>,
+    /// Surfaces of the contacts of a static equilibrium, with whose stiffness it was found, as numbers from 0: bushing, sprocket, surface of
+    /// the tooth. Contacts that are not listed begin on the nearest surface.
+    pub surfaces: Vec<[usize; 3]>,
 }
 
 impl InitialConfiguration {
@@ -171,6 +174,7 @@ impl InitialConfiguration {
         Self {
             positions,
             velocities,
+            surfaces: Vec::new(),
         }
     }
 
@@ -191,10 +195,7 @@ impl InitialConfiguration {
 
     /// Return bodies from hinges: centre and velocity of a link are the means of its two hinges, its angular velocity is (d x dv)/d².
     fn of_bodies(drive: &Drive, hinges: &[Vec2], velocities: &[Vec2], layout: &Layout) -> Self {
-        let mut start = Self {
-            positions: Vec::new(),
-            velocities: Vec::new(),
-        };
+        let mut start = Self::default();
         for front in 0..hinges.len() {
             let rear = (front + hinges.len() - 1) % hinges.len();
             let along = hinges[front] - hinges[rear];

@@ -179,10 +179,7 @@ fn start(
     velocities: &[Vec2],
     layout: &Layout,
 ) -> InitialConfiguration {
-    let mut start = InitialConfiguration {
-        positions: Vec::new(),
-        velocities: Vec::new(),
-    };
+    let mut start = InitialConfiguration::default();
     for (places, speeds) in laid.hinges.windows(2).zip(velocities.windows(2)) {
         let (along, apart) = (places[1] - places[0], speeds[1] - speeds[0]);
         let center = 0.5 * (places[0] + places[1]);

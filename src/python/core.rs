@@ -41,6 +41,7 @@ pub(super) struct Core {
 #[pymethods]
 impl Core {
     #[new]
+    #[pyo3(signature = (drive, force_law, hinge_law, tooth_law, min_impact_velocity, solver, positions, velocities, surfaces=Vec::new()))]
     #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
     fn new(
         drive: &Bound<'_, PyAny>,
@@ -51,12 +52,19 @@ impl Core {
         solver: &Bound<'_, PyAny>,
         positions: Option<PyReadonlyArray2<'_, f64>>,
         velocities: Option<PyReadonlyArray2<'_, f64>>,
+        surfaces: Vec<[usize; 3]>,
     ) -> PyResult<Self> {
         let py = drive.py();
         let description = describe::drive(drive)?;
         let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
         let control = describe::solver(solver)?;
-        let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
+        let own = own_start(
+            py,
+            &description,
+            positions.as_ref(),
+            velocities.as_ref(),
+            surfaces,
+        )?;
         let simulation = contained(|| {
             let start = match own {
                 Some(start) => start,

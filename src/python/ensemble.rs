@@ -31,6 +31,10 @@ pub(super) struct Case {
 #[pymethods]
 impl Case {
     #[new]
+    #[pyo3(signature = (
+        drive, force_law, hinge_law, tooth_law, min_impact_velocity, solver, duration, report_step, groups, energy, positions, velocities,
+        surfaces=Vec::new()
+    ))]
     #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes lists by value
     fn new(
         drive: &Bound<'_, PyAny>,
@@ -45,6 +49,7 @@ impl Case {
         energy: &Bound<'_, PyAny>,
         positions: Option<PyReadonlyArray2<'_, f64>>,
         velocities: Option<PyReadonlyArray2<'_, f64>>,
+        surfaces: Vec<[usize; 3]>,
     ) -> PyResult<Self> {
         let description = describe::drive(drive)?;
         let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
@@ -56,6 +61,7 @@ impl Case {
             &description,
             positions.as_ref(),
             velocities.as_ref(),
+            surfaces,
         )?;
         let case = ensemble::Case {
             scene: Scene::Drive {

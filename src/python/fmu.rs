@@ -38,7 +38,13 @@ pub(super) fn fmu_scene<'py>(
     let drive = describe::drive(drive)?;
     let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
     let control = describe::solver(solver)?;
-    let own = own_start(py, &drive, positions.as_ref(), velocities.as_ref())?;
+    let own = own_start(
+        py,
+        &drive,
+        positions.as_ref(),
+        velocities.as_ref(),
+        Vec::new(),
+    )?;
     let inputs: Result<Vec<_>> = inputs.into_iter().map(input_variable).collect();
     let inputs = describe::checked(py, inputs)?;
     let packed = contained(|| {

@@ -44,7 +44,13 @@ pub(super) fn ideal_core(
         // Results with ideal hinges were measured with the explicit corrector.
         control.corrector = Corrector::Pece;
     }
-    let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
+    let own = own_start(
+        py,
+        &description,
+        positions.as_ref(),
+        velocities.as_ref(),
+        Vec::new(),
+    )?;
     let raised = Raised::default();
     let made = contained(|| {
         let give_up = || interrupted(py, &raised);

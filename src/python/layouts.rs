@@ -85,7 +85,8 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     Ok(found)
 }
 
-/// Find the static equilibrium of a drive: positions, velocities at the start of a run, and the residual.
+/// Find the static equilibrium of a drive: positions, velocities and tooth surfaces (bushing, sprocket, surface, from 0) at the start of a
+/// run, and the residual.
 #[pyfunction]
 pub(super) fn static_start<'py>(
     drive: &Bound<'py, PyAny>,
@@ -110,6 +111,7 @@ pub(super) fn static_start<'py>(
         let flat: Vec<f64> = rows.into_iter().flatten().collect();
         found.set_item(name, flat.into_pyarray(py).reshape([count, 3])?)?;
     }
+    found.set_item("surfaces", rest.start.surfaces)?;
     found.set_item("residual", rest.residual)?;
     found.set_item("largest_force", rest.largest_force)?;
     found.set_item("iterations", rest.iterations)?;

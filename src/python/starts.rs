@@ -55,11 +55,14 @@ pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
 }
 
 /// Return a user's start, with generated positions if only velocities are given; `None` if nothing is given.
+///
+/// `surfaces`: as of [`InitialConfiguration::surfaces`], at given positions.
 pub(super) fn own_start(
     py: Python<'_>,
     drive: &Drive,
     positions: Option<&PyReadonlyArray2<'_, f64>>,
     velocities: Option<&PyReadonlyArray2<'_, f64>>,
+    surfaces: Vec<[usize; 3]>,
 ) -> PyResult<Option<InitialConfiguration>> {
     let positions = rows(py, "positions", positions)?;
     let velocities = rows(py, "velocities", velocities)?;
@@ -68,13 +71,14 @@ pub(super) fn own_start(
         (Some(positions), Some(velocities)) => Ok(Some(InitialConfiguration {
             positions,
             velocities,
+            surfaces,
         })),
         (None, Some(velocities)) => {
             let generated = contained(|| InitialConfiguration::generate(drive));
             let (generated, _) = describe::checked(py, generated)?;
             Ok(Some(InitialConfiguration {
-                positions: generated.positions,
                 velocities,
+                ..generated
             }))
         }
         (Some(_), None) => Err(to_python(

@@ -31,7 +31,7 @@ impl Simulation<Dynamics> {
         let mut motion = Motion::new(dynamics.model().bodies());
         motion.set(&start.positions, &start.velocities);
         motion.write(dynamics.model(), &mut y);
-        dynamics.remember_present_contacts(0.0, &y);
+        dynamics.begin_present_contacts(0.0, &y, &start.surfaces);
         dynamics.check_joints()?;
         if control.corrector != Corrector::Pece {
             // Allocates the matrix now; a run that switches correctors would otherwise allocate during its steps.

@@ -189,6 +189,7 @@ impl Case {
         let start = InitialConfiguration {
             positions: simulation.positions(),
             velocities: simulation.velocities(),
+            ..InitialConfiguration::default()
         };
         Ok(Run { start, simulation })
     }

@@ -21,7 +21,7 @@ use settling::Settling;
 /// Drive in static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// Positions in equilibrium, and velocities with which the run continues from there.
+    /// Positions in equilibrium, the surfaces of its contacts, and velocities with which the run continues from there.
     pub start: InitialConfiguration,
     /// Largest unbalanced force on a body \[N\]; moments of links are divided by half the pitch.
     pub residual: f64,
@@ -53,6 +53,7 @@ impl Equilibrium {
         let at_rest = InitialConfiguration {
             positions: laid.positions.clone(),
             velocities: vec![[0.0; 3]; laid.velocities.len()],
+            ..InitialConfiguration::default()
         };
         // Nothing slides at rest: friction that does not stick, and a lubricant film, carry no load.
         let frictionless = ForceLaws {
@@ -91,6 +92,7 @@ impl Equilibrium {
             )
         };
         settling.move_along_contacts(&mut start);
+        start.surfaces = settling.dynamics.stored_surfaces();
         Ok(Self {
             start,
             residual,

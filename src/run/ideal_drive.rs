@@ -63,6 +63,7 @@ impl IdealDrive {
         let placed = InitialConfiguration {
             positions: placed.iter().map(|body| body.position).collect(),
             velocities: placed.iter().map(|body| body.velocity).collect(),
+            ..InitialConfiguration::default()
         };
         let groups = Groups::default();
         Ok((Self { run, view, groups }, placed))

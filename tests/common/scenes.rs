@@ -149,6 +149,7 @@ impl Scene {
         let start = InitialConfiguration {
             velocities: vec![[0.0; 3]; positions.len()],
             positions,
+            ..InitialConfiguration::default()
         };
         Self::of(&drive, laws, &start)
     }

@@ -85,6 +85,30 @@ fn much_slack_is_taken_up_under_load() {
     }
 }
 
+#[test]
+fn an_equilibrium_found_soon_stores_the_surfaces_of_its_contacts() {
+    let (drive, laws) = (loaded(false, 0, 3.0, 80.0), ForceLaws::default());
+    let rest = Equilibrium::find(&drive, &laws).unwrap();
+    // Surfaces are stored every 500 iterations, and when the forces are in balance.
+    assert!(rest.iterations < 500, "{}", rest.iterations);
+    let model = Arc::new(Model::compile(&drive, &laws, &rest.start).unwrap());
+    let control = rustchain::integrator::StepControl::default();
+    let mut simulation = Simulation::new(Arc::clone(&model), &rest.start, control).unwrap();
+    let teeth = &simulation.present().evaluated.teeth;
+    let touching = teeth.near.iter().map(|&pair| pair as usize);
+    let touching = touching.filter(|&pair| teeth.penetration[pair] > 0.0);
+    let mut touching: Vec<[usize; 2]> = touching
+        .map(|pair| [pair % model.links, pair / model.links])
+        .collect();
+    touching.sort_unstable();
+    let mut stored: Vec<[usize; 2]> = (rest.start.surfaces.iter())
+        .map(|&[bushing, sprocket, _]| [bushing, sprocket])
+        .collect();
+    stored.sort_unstable();
+    assert!(!stored.is_empty());
+    assert_eq!(stored, touching);
+}
+
 /// Fastest approach in a loaded contact of `drive` at the first instant of a start at rest, over the chain's speed.
 fn fastest_approach(drive: &Drive) -> f64 {
     let laws = ForceLaws::default();

@@ -172,6 +172,7 @@ pub unsafe extern "C" fn drive_system(
         Ok(InitialConfiguration {
             positions: rows(positions),
             velocities: rows(velocities),
+            ..InitialConfiguration::default()
         })
     };
     let system = start.and_then(|start| DriveSystem::new(&drive, &laws, &start, metered));

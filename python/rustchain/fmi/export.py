@@ -118,11 +118,13 @@ def _packed(
     """Return the encoded scene, its token, and the values of time and variables at the start."""
     simulation = system if isinstance(system, Simulation) else Simulation(scene)
     positions, velocities = simulation._core.start()
+    static = scene.start == "static"
     return _rustchain.fmu_scene(
         **keywords_of(scene),
         positions=positions,
         velocities=velocities,
-        state=simulation.state()["snapshot"] if simulation is system else None,
+        # A static start has tooth surfaces, which a state holds.
+        state=simulation.state()["snapshot"] if simulation is system or static else None,
         inputs=[(each.sprocket, each.quantity) for each in variables if isinstance(each, Input)],
         outputs=[(each.channel, each.element) for each in variables if isinstance(each, Output)],
     )

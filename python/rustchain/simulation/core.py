@@ -30,7 +30,7 @@ def keywords_of(scene: Scene) -> dict[str, Any]:
 def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
     """Return positions and velocities that a drive begins with, and how well it then rests.
 
-    They are None where the core takes the generated ones.
+    They are None where the core takes the generated ones. A static start has tooth surfaces, too.
     """
     if scene.start == "generated":
         given = {"positions": scene.positions, "velocities": scene.velocities}
@@ -38,7 +38,7 @@ def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
     keywords = keywords_of(scene)
     del keywords["solver"]
     found = _rustchain.static_start(**keywords)
-    return {name: found.pop(name) for name in ("positions", "velocities")}, found
+    return {name: found.pop(name) for name in ("positions", "velocities", "surfaces")}, found
 
 
 def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Dynamics;
 use crate::chain::contact::{HingePath, RollerPath, ToothJump, ToothJumps, ToothPath};
 use crate::chain::model::Model;
+use crate::geometry::Surface;
 use crate::integrator::event_location::first_crossing;
 use crate::integrator::{Adams, Step};
 
@@ -78,8 +79,15 @@ impl Dynamics {
         self.events.parted.iter().filter_map(roller).collect()
     }
 
-    /// Start the memory of every pair in contact at (`t`, `y`), with its present penetration rate, for an initial configuration.
+    /// Start the memory of every pair in contact at (`t`, `y`), with its present penetration rate and its nearest surface.
     pub fn remember_present_contacts(&mut self, t: f64, y: &[f64]) {
+        self.begin_present_contacts(t, y, &[]);
+    }
+
+    /// Start the memory of every pair in contact at (`t`, `y`), with its present penetration rate, for an initial configuration.
+    ///
+    /// `surfaces`: bushing, sprocket and surface, from 0, of tooth contacts that do not take the nearest one.
+    pub(crate) fn begin_present_contacts(&mut self, t: f64, y: &[f64], surfaces: &[[usize; 3]]) {
         self.memory.clear();
         self.follow_with_pawls(y);
         self.evaluate(t, y);
@@ -103,12 +111,26 @@ impl Dynamics {
                 );
             }
         }
+        for &[bushing, sprocket, surface] in surfaces {
+            // Profiles have fewer than 256 surfaces.
+            let surface = u8::try_from(surface).map_or(Surface::SEATING, Surface);
+            self.memory.tooth_surface[sprocket * self.model.links + bushing] = surface;
+        }
         self.kernels.candidates.invalidate();
         // Event screening needs the gaps at the start of the first step.
         self.differentiate(t, y);
         self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
         self.look_for_jumps(t);
+    }
+
+    /// Return bushing, sprocket and surface, from 0, of all tooth contacts with a memory.
+    pub(crate) fn stored_surfaces(&self) -> Vec<[usize; 3]> {
+        let (links, memory) = (self.model.links, &self.memory);
+        let pairs = memory.tooth_speed.iter().zip(&memory.tooth_surface);
+        let live = pairs.enumerate().filter(|(_, (speed, _))| **speed > 0.0);
+        live.map(|(pair, (_, surface))| [pair % links, pair / links, surface.index()])
+            .collect()
     }
 
     /// Advance the pawls of all ratchets behind the teeth that passed in the last step, whose end is `y`.

@@ -133,12 +133,29 @@ fn check_speeds(model: &Model, start: &InitialConfiguration) -> Result<()> {
     Ok(())
 }
 
+/// Check that the bushings, sprockets and surfaces of the stored tooth contacts exist.
+fn check_surfaces(model: &Model, start: &InitialConfiguration) -> Result<()> {
+    for &[bushing, sprocket, surface] in &start.surfaces {
+        let profile = model.sprockets.get(sprocket).map(|s| &s.profile);
+        let exists = profile.is_some_and(|p| surface < p.surfaces().len());
+        if bushing >= model.links || !exists {
+            return Err(Error::invalid(
+                "surfaces",
+                format!("({bushing}, {sprocket}, {surface})"),
+                "must have a bushing, a sprocket and a surface of its teeth, each counted from 0",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Check the numbers of an initial configuration, and their agreement with supports, motors and ends.
 pub(crate) fn check_start(model: &Model, start: &InitialConfiguration) -> Result<()> {
     check_rows(model, "positions", &start.positions)?;
     check_rows(model, "velocities", &start.velocities)?;
     check_ends(model, start)?;
     check_speeds(model, start)?;
+    check_surfaces(model, start)?;
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let body = model.wheel_body(s);
         let [vx, vy, spin] = start.velocities[body];

@@ -2,6 +2,8 @@
 
 import shutil
 import zipfile
+from dataclasses import replace
+from pathlib import Path
 
 import fmpy
 import pytest
@@ -43,6 +45,17 @@ def test_the_description_has_names_units_and_values_at_the_start(fmu, version, d
     assert not capabilities.needsExecutionTool
     assert not capabilities.canBeInstantiatedOnlyOncePerProcess
     assert not capabilities.providesDirectionalDerivative
+
+
+def test_an_fmu_begins_on_the_tooth_surfaces_of_a_static_start(tmp_path):
+    hoist = rc.load_scene(Path(__file__).parents[3] / "examples" / "hoist_load.toml")
+    scene = replace(hoist, force_law=rc.Hertz())
+    rc.export_fmu(scene, tmp_path / "hoist.fmu")
+    simulation = rc.Simulation(scene)
+    with opened(tmp_path / "hoist.fmu") as master:
+        master.initialize().step(0.0, 1e-5)
+        (largest,) = master.get("teeth.largest_force")
+    assert largest == pytest.approx(simulation.evaluate().tooth_force.max(), rel=0.01)
 
 
 def test_equal_scenes_make_equal_files(drive, fmus, tmp_path):
