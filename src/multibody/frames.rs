@@ -1,25 +1,30 @@
-//! Body frames of a state, and the constraint equations at them.
+//! Body frames of a state, and the shift between the integrator's solution and the state.
 
 use super::description::body::Frame;
-use super::dynamics::MechanismDynamics;
+use super::model::MechanismModel;
 use crate::geometry::Vec2;
 
-impl MechanismDynamics {
+impl MechanismModel {
     /// Set the body frames to positions and velocities (q, then v), without a shift.
-    pub(crate) fn place(&mut self, state: &[f64]) {
-        self.place_by(state, |_, position, velocity| {
+    pub(crate) fn place(&self, frames: &mut [Frame], state: &[f64]) {
+        self.place_by(frames, state, |_, position, velocity| {
             Frame::new(position, velocity)
         });
     }
 
     /// Set the body frames to positions and velocities nearby.
-    pub(crate) fn place_nearby(&mut self, state: &[f64]) {
-        self.place_by(state, Frame::moved);
+    pub(crate) fn place_nearby(&self, frames: &mut [Frame], state: &[f64]) {
+        self.place_by(frames, state, Frame::moved);
     }
 
-    fn place_by(&mut self, state: &[f64], frame_at: impl Fn(&Frame, [f64; 3], [f64; 3]) -> Frame) {
-        let n = self.model.coordinates();
-        for (frame, first) in self.frames.iter_mut().zip(&self.model.first) {
+    fn place_by(
+        &self,
+        frames: &mut [Frame],
+        state: &[f64],
+        frame_at: impl Fn(&Frame, [f64; 3], [f64; 3]) -> Frame,
+    ) {
+        let n = self.coordinates();
+        for (frame, first) in frames.iter_mut().zip(&self.first) {
             if let Some(i) = *first {
                 let [position, velocity] =
                     [i, n + i].map(|i| [state[i], state[i + 1], state[i + 2]]);
@@ -29,9 +34,9 @@ impl MechanismDynamics {
     }
 
     /// Set the velocities of the body frames; positions remain.
-    pub(crate) fn move_with(&mut self, state: &[f64]) {
-        let n = self.model.coordinates();
-        for (frame, first) in self.frames.iter_mut().zip(&self.model.first) {
+    pub(crate) fn move_with(&self, frames: &mut [Frame], state: &[f64]) {
+        let n = self.coordinates();
+        for (frame, first) in frames.iter_mut().zip(&self.first) {
             if let Some(i) = *first {
                 frame.velocity = Vec2::new(state[n + i], state[n + i + 1]);
                 frame.spin = state[n + i + 2];
@@ -39,35 +44,76 @@ impl MechanismDynamics {
         }
     }
 
-    /// Evaluate the constraint equations at the body frames.
-    pub(crate) fn find_rows(&mut self, t: f64) {
-        let model = &self.model;
-        for range in &model.equations_of_joint {
-            let equations = &model.equations[range.clone()];
-            let rows = &mut self.rows[range.clone()];
-            let mut done = 0;
-            // Both equations of a point share the arms.
-            if let ([first, _, ..], Some(point)) = (equations, rows.first_chunk_mut())
-                && first.begins_point()
-            {
-                *point = first.evaluate_point(&self.frames);
-                done = point.len();
+    /// Return positions and velocities (q, then v) of the bodies that are not fixed.
+    pub(crate) fn read_state(&self, frames: &[Frame]) -> Vec<f64> {
+        let n = self.coordinates();
+        let mut state = vec![0.0; 2 * n];
+        for (frame, first) in frames.iter().zip(&self.first) {
+            if let Some(i) = *first {
+                state[i..i + 3].copy_from_slice(&[frame.origin.x, frame.origin.y, frame.angle]);
+                let velocity = [frame.velocity.x, frame.velocity.y, frame.spin];
+                state[n + i..n + i + 3].copy_from_slice(&velocity);
             }
-            for (row, equation) in rows.iter_mut().zip(equations).skip(done) {
-                *row = equation.evaluate(t, &self.frames);
-            }
+        }
+        state
+    }
+
+    /// Return the components of a body in `accelerations`; zero for a fixed body.
+    pub(crate) fn accelerations_of(&self, body: usize, accelerations: &[f64]) -> [f64; 3] {
+        match self.first[body] {
+            None => [0.0; 3],
+            Some(i) => [0, 1, 2].map(|k| accelerations[i + k]),
+        }
+    }
+}
+
+/// State less the integrator's solution: the sum of the corrections of all projections.
+///
+/// During a step the shift of velocities is constant and that of coordinates grows at its rate. Thus dq/dt = v holds in the
+/// integrator's solution as in the state, and an implicit corrector can compute coordinates from velocities.
+#[derive(Debug, Clone)]
+pub(crate) struct Shift {
+    /// Shift of [q, v] at `time`.
+    pub(crate) values: Vec<f64>,
+    /// Time at which the shift of coordinates has the stored value \[s\].
+    pub(crate) time: f64,
+}
+
+impl Shift {
+    /// Return no shift, for `n` coordinates.
+    pub(crate) fn new(n: usize) -> Self {
+        Self {
+            values: vec![0.0; 2 * n],
+            time: 0.0,
         }
     }
 
+    /// Set the shift to zero from `t` on.
+    pub(crate) fn clear(&mut self, t: f64) {
+        self.values.fill(0.0);
+        self.time = t;
+    }
+
     /// Add the shift at `t` to the integrator's coordinates and velocities.
-    pub(crate) fn add_shift(&self, t: f64, state: &mut [f64]) {
-        let n = self.model.coordinates();
-        let since = t - self.shift_time;
-        let (shift_q, shift_v) = self.shift.split_at(n);
+    pub(crate) fn add(&self, t: f64, state: &mut [f64]) {
+        let n = self.values.len() / 2;
+        let since = t - self.time;
+        let (shift_q, shift_v) = self.values.split_at(n);
         let (q, v) = state.split_at_mut(n);
         for (((q, v), place), rate) in q.iter_mut().zip(v).zip(shift_q).zip(shift_v) {
             *q += place + since * rate;
             *v += rate;
         }
+    }
+
+    /// Return component `i` of [q, v] at `t` for the integrator's `value`.
+    pub(crate) fn shifted(&self, i: usize, t: f64, value: f64) -> f64 {
+        let n = self.values.len() / 2;
+        let grown = if i < n {
+            (t - self.time) * self.values[n + i]
+        } else {
+            0.0
+        };
+        value + self.values[i] + grown
     }
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::assembly::projection::AtHand;
 use super::constraints::equation::Equation;
+use super::contact::onset::StepMotion;
 use super::description::driver::Motion;
 use super::description::force_element::{Force, ForceKind};
 use super::description::joint::Joint;
@@ -194,15 +195,15 @@ impl MechanismDynamics {
             return Ok(false);
         };
         self.evaluate_inside(adams, t);
-        let mut state = self.inside.clone();
+        let mut state = self.work.inside.clone();
         let mut replaced = input.clone();
         // A clone where the model is shared, as the compiled one is; otherwise the model itself.
         let fits = Arc::make_mut(&mut self.model).exchange(&mut replaced);
         debug_assert!(fits.is_some(), "the input is of this model");
-        let bent = self.bristles.deflection.clone();
+        let bent = self.contacts.bristles.deflection.clone();
         let jumps = quantity == InputQuantity::Speed;
-        if jumps && !self.project(t, &mut state, ITERATIONS, AtHand::Nothing) {
-            let residuals = self.what_misses();
+        if jumps && !(self.projector()).project(t, &mut state, ITERATIONS, AtHand::Nothing) {
+            let residuals = self.constraints.what_misses(&self.model, &self.frames);
             Arc::make_mut(&mut self.model).exchange(&mut replaced);
             return Err(Error::invalid(
                 "driver",
@@ -211,17 +212,23 @@ impl MechanismDynamics {
             ));
         }
         self.sums.external_work +=
-            self.model.kinetic_energy(&state) - self.model.kinetic_energy(&self.inside);
-        self.bristles.deflection = bent;
-        self.roll_back_contacts(adams, t);
-        self.shift.fill(0.0);
-        self.shift_time = t;
+            self.model.kinetic_energy(&state) - self.model.kinetic_energy(&self.work.inside);
+        self.contacts.bristles.deflection = bent;
+        let motion = StepMotion {
+            model: &self.model,
+            frames: &self.frames,
+            shift: &self.shift,
+            adams,
+            memory_at_start: &self.step.memory,
+        };
+        self.contacts.roll_back(&motion, t, &mut self.onsets);
+        self.shift.clear(t);
         let y = self.solution_of(&state);
         adams.restart_with_corrector(t, &y);
         self.keep_step_start(adams);
         self.differentiate(t, &y);
         // The kept reactions are those of the old input: the next step solves for its own, as the first one of a run does.
-        self.reactions = StepReactions::default();
+        self.corrector.reactions = StepReactions::default();
         self.inputs.set.retain(|set| set.target() != input.target());
         self.inputs.set.push(input);
         Ok(true)
@@ -235,43 +242,6 @@ impl MechanismDynamics {
         }
         self.inputs.set = inputs.to_vec();
         Some(())
-    }
-
-    /// Set the contact memory to that at `t` within the last step, where the contacts were evaluated last.
-    ///
-    /// Onsets after `t` are removed, and contacts that ended after `t` continue. Bristles of open contacts are undeflected.
-    fn roll_back_contacts(&mut self, adams: &Adams, t: f64) {
-        let at_end = t == adams.time();
-        for k in 0..self.memory.len() {
-            let touch = self.touches[k];
-            let before = self.step.memory[k];
-            let remembers = self.memory[k].speed > 0.0;
-            if touch.contact.penetration > 0.0 {
-                if !remembers && before.speed > 0.0 {
-                    self.memory[k] = before;
-                } else if !remembers {
-                    // A contact that began and ended within the step.
-                    let rate = touch.contact.penetration_rate;
-                    self.begin_contact(k, touch.piece, rate);
-                    self.note_place(k, touch.place);
-                    self.onsets += 1;
-                }
-                continue;
-            }
-            if remembers && before.speed <= 0.0 {
-                self.onsets = self.onsets.saturating_sub(1);
-            }
-            if !at_end {
-                self.memory[k] = before;
-            }
-            self.memory[k] = self.apart(k);
-            if let Some(bristle) = self.model.bristle_of_side[k] {
-                self.bristles.deflection[bristle] = 0.0;
-            }
-        }
-        if let Some(onsets) = &mut self.unreported_onsets {
-            onsets.retain(|onset| onset.time <= t);
-        }
     }
 }
 

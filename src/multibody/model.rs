@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::constraints::equation::{Equation, Quantity};
 use super::constraints::pin_friction::Pin;
-use super::contact::contact_state::CompiledContact;
+use super::contact::compiled_contact::CompiledContact;
 use super::contact::step_bound::ContactBodies;
 use super::description::body::{Body, End, Frame, Marker};
 use super::description::force_element::{Force, ForceKind};

@@ -87,7 +87,9 @@ pub(crate) fn write_row(
         write_joints(row, dynamics);
     }
     if groups.contacts {
-        let impacts = dynamics.take_impact_velocities(t);
+        let impacts = dynamics
+            .onsets
+            .take_velocities(dynamics.model.contacts.len(), t);
         write_contacts(row, dynamics, &impacts);
     }
     if groups.torques {
@@ -117,7 +119,12 @@ fn write_joints(row: &mut Row, dynamics: &MechanismDynamics) {
     let joints = dynamics.model.joints.len();
     row.real((0..joints).flat_map(|joint| dynamics.reaction(joint)));
     let mut residuals = [vec![0.0f64; joints], vec![0.0f64; joints]];
-    for (equation, line) in dynamics.model.equations.iter().zip(&dynamics.rows) {
+    for (equation, line) in dynamics
+        .model
+        .equations
+        .iter()
+        .zip(&dynamics.constraints.rows)
+    {
         let found = [
             equation.residual(line),
             equation.residual_rate(line, &dynamics.frames),
@@ -139,47 +146,28 @@ fn write_joints(row: &mut Row, dynamics: &MechanismDynamics) {
 /// Write forces, impact velocities, penetrations, tooth positions and peaks of all contacts.
 fn write_contacts(row: &mut Row, dynamics: &MechanismDynamics, impacts: &[f64]) {
     let model = &dynamics.model;
-    let forces: Vec<f64> = dynamics.pushes().map(|push| push.norm()).collect();
+    let forces: Vec<f64> = dynamics
+        .contacts
+        .pushes(model)
+        .map(|push| push.norm())
+        .collect();
     row.real(forces.iter().copied());
-    row.real(dynamics.pushes().flat_map(<[f64; 2]>::from));
+    row.real(dynamics.contacts.pushes(model).flat_map(<[f64; 2]>::from));
     row.real(impacts.iter().copied());
     let sides = || model.contacts.iter().zip(&model.sides_of_contact);
     row.real(sides().map(|(contact, sides)| {
-        let touches = &dynamics.touches[sides.clone()];
+        let touches = &dynamics.contacts.touches[sides.clone()];
         let depths = touches.iter().map(|touch| touch.contact.penetration);
         let depth = depths.fold(f64::NEG_INFINITY, f64::max);
         if depth > 0.0 {
             depth
         } else {
-            contact.penetration(&dynamics.frames, &dynamics.memory[sides.clone()])
+            contact.penetration(&dynamics.frames, &dynamics.contacts.memory[sides.clone()])
         }
     }));
-    let teeth = || sides().map(|(_, sides)| dynamics.touches[sides.start].tooth);
+    let teeth = || sides().map(|(_, sides)| dynamics.contacts.touches[sides.start].tooth);
     // The number of a tooth gap is small, so the conversion to a signed number is exact.
     row.whole(teeth().map(|tooth| tooth.map_or(-1, |tooth| tooth.gap.cast_signed())));
     row.whole(teeth().map(|tooth| tooth.map_or(0, |tooth| i32::from(tooth.region))));
     row.close_peaks(CONTACTS, &forces);
-}
-
-impl MechanismDynamics {
-    /// Return the magnitude of a joint's force \[N\].
-    pub(crate) fn joint_force(&self, joint: usize) -> f64 {
-        let [x, y, _] = self.reaction(joint);
-        x.hypot(y)
-    }
-
-    /// Return the largest initial impact velocity of each contact \[m/s\] among the onsets up to `t`, and remove these onsets.
-    fn take_impact_velocities(&mut self, t: f64) -> Vec<f64> {
-        let mut largest = vec![0.0f64; self.model.contacts.len()];
-        if let Some(onsets) = &mut self.unreported_onsets {
-            onsets.retain(|onset| {
-                if onset.time <= t {
-                    let largest = &mut largest[onset.contact];
-                    *largest = largest.max(onset.velocity);
-                }
-                onset.time > t
-            });
-        }
-        largest
-    }
 }

@@ -4,6 +4,7 @@ use super::MechanismDynamics;
 use super::assembly::projection::AtHand;
 use super::contact::impact_memory::Memory;
 use super::dynamics::Stabilisation;
+use super::newton::stage::{is_nearness_due, largest_rotation};
 use super::system::MechanismSums;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, OdeSystem};
@@ -42,30 +43,19 @@ impl MechanismDynamics {
         start.is_implicit = adams.is_implicit();
         start.solution.clear();
         start.solution.extend_from_slice(adams.y());
-        start.memory.clone_from(&self.memory);
-        start.shift.clone_from(&self.shift);
-        start.onsets = self.onsets;
+        start.memory.clone_from(&self.contacts.memory);
+        start.shift.clone_from(&self.shift.values);
+        start.onsets = self.onsets.count;
     }
 
     /// Return to the start of the last step and restart the integrator there.
     pub(super) fn return_to_step_start(&mut self, adams: &mut Adams) {
         let start = &self.step;
         adams.restart(start.time, &start.solution);
-        self.shift.copy_from_slice(&start.shift);
-        self.shift_time = start.time;
-        self.memory.clone_from(&start.memory);
-        self.onsets = start.onsets;
-    }
-
-    /// Return whether the circle of a side was behind an open outline at the start of the last step.
-    fn was_behind(&self, k: usize) -> bool {
-        self.step.memory.get(k) == Some(&Memory::BEHIND)
-    }
-
-    /// Return the initial impact velocity stored for a side at the start of the last step.
-    pub(super) fn speed_at_step_start(&self, k: usize) -> f64 {
-        let memory = self.step.memory.get(k);
-        memory.map_or(0.0, |memory| memory.speed)
+        self.shift.values.copy_from_slice(&start.shift);
+        self.shift.time = start.time;
+        self.contacts.memory.clone_from(&start.memory);
+        self.onsets.count = start.onsets;
     }
 
     /// Project the end of the last step onto the constraints. The correction enters the shift; the integrator's solution and history
@@ -73,61 +63,65 @@ impl MechanismDynamics {
     pub(super) fn project_step_end(&mut self, adams: &Adams) -> Result<()> {
         let (number, length) = (adams.counts().steps, adams.time() - self.step.time);
         // The last evaluation of the explicit corrector is at the end of the step; that of the implicit one may have no factors.
-        let at_hand = match (self.step.is_implicit, self.reactions.regular()) {
-            (true, true) if self.is_nearness_due(length, number) => AtHand::Nothing,
+        let regular = self.corrector.reactions.regular();
+        let at_hand = match (self.step.is_implicit, regular) {
+            (true, true) if is_nearness_due(&self.frames, length, number) => AtHand::Nothing,
             (true, true) => AtHand::Corrector,
             (true, false) => AtHand::Factors,
             (false, _) => AtHand::Everything,
         };
         self.project_end(adams, at_hand)?;
-        self.keep_reactions(length, at_hand != AtHand::Corrector);
+        let turned = largest_rotation(&self.frames, length);
+        let measured = at_hand != AtHand::Corrector;
+        let reactions = &mut self.corrector.reactions;
+        reactions.keep(&self.constraints, &self.accelerations, turned, measured);
         Ok(())
     }
 
     /// Project the end of the last step; `at_hand` is known of the factors there.
     fn project_end(&mut self, adams: &Adams, at_hand: AtHand) -> Result<()> {
-        if !self.is_constrained() || self.stabilisation != Stabilisation::Projection {
+        if !self.is_constrained() || self.constraints.stabilisation != Stabilisation::Projection {
             return Ok(());
         }
         let t = adams.time();
-        let mut state = std::mem::take(&mut self.inside);
+        let mut state = std::mem::take(&mut self.work.inside);
         let solution = adams.y();
-        self.read(solution, &mut state);
-        self.add_shift(t, &mut state);
-        if !self.project(t, &mut state, ITERATIONS, at_hand) {
-            let residuals = self.what_misses();
-            self.inside = state;
+        (self.contacts.bristles).read(&self.model, solution, &mut state);
+        self.shift.add(t, &mut state);
+        if !(self.projector()).project(t, &mut state, ITERATIONS, at_hand) {
+            let residuals = self.constraints.what_misses(&self.model, &self.frames);
+            self.work.inside = state;
             return Err(Error::JointsApart { time: t, residuals });
         }
-        for (i, (shift, x)) in self.shift.iter_mut().zip(&state).enumerate() {
+        for (i, (shift, x)) in self.shift.values.iter_mut().zip(&state).enumerate() {
             // The new shift is the projected state less the integrator's solution.
             *shift = x - solution[self.model.component(i)];
         }
-        self.shift_time = t;
-        self.inside = state;
+        self.shift.time = t;
+        self.work.inside = state;
         Ok(())
     }
 
     /// Write the state at `t` within the last step: the dense output plus the shift at `t`.
     pub(crate) fn state_at(&mut self, adams: &Adams, t: f64, state: &mut [f64]) {
         let (end, n) = (adams.time(), self.model.coordinates());
-        let mut solution = std::mem::take(&mut self.solution);
+        let mut solution = std::mem::take(&mut self.work.solution);
         if t == end {
             solution.copy_from_slice(adams.y());
         } else {
             adams.interpolate(t, &mut solution);
         }
-        self.read(&solution, state);
+        (self.contacts.bristles).read(&self.model, &solution, state);
         let first = 2 * self.model.unknowns();
         self.sums = MechanismSums {
             dissipated: solution[first],
             external_work: solution[first + 1],
         };
-        self.solution = solution;
+        self.work.solution = solution;
         let start = self.step.time;
         let part = part_of_step(start, end, t);
         let (length, since) = (end - start, t - start);
-        let (before, after) = (&self.step.shift, &self.shift);
+        let (before, after) = (&self.step.shift, &self.shift.values);
         for (i, (x, after)) in state.iter_mut().zip(after).enumerate() {
             // The shift of coordinates grows at the rate of the shift of velocities. The correction of the projection at the step's
             // end is distributed linearly over the step.
@@ -139,30 +133,31 @@ impl MechanismDynamics {
 
     /// Evaluate everything at `t` within the last step, on the constraints.
     pub(crate) fn evaluate_inside(&mut self, adams: &Adams, t: f64) {
-        let mut state = std::mem::take(&mut self.inside);
+        let mut state = std::mem::take(&mut self.work.inside);
         self.state_at(adams, t, &mut state);
-        if self.stabilisation == Stabilisation::Projection {
-            self.project(t, &mut state, ITERATIONS, AtHand::Nothing);
+        if self.constraints.stabilisation == Stabilisation::Projection {
+            (self.projector()).project(t, &mut state, ITERATIONS, AtHand::Nothing);
         }
         // A circle that left the back of an open outline in this step was still behind it before the step's end.
-        let out = |k: usize| self.was_behind(k) && t < adams.time();
-        let out: Vec<usize> = (0..self.memory.len()).filter(|&k| out(k)).collect();
-        let kept: Vec<Memory> = out.iter().map(|&k| self.memory[k]).collect();
+        let out = |k: usize| self.step.memory[k] == Memory::BEHIND && t < adams.time();
+        let memory = &mut self.contacts.memory;
+        let out: Vec<usize> = (0..memory.len()).filter(|&k| out(k)).collect();
+        let kept: Vec<Memory> = out.iter().map(|&k| memory[k]).collect();
         for &k in &out {
-            self.memory[k] = Memory::BEHIND;
+            memory[k] = Memory::BEHIND;
         }
         self.evaluate(t, &state);
         for (k, memory) in out.into_iter().zip(kept) {
-            self.memory[k] = memory;
+            self.contacts.memory[k] = memory;
         }
-        self.inside = state;
+        self.work.inside = state;
     }
 
     /// Evaluate the right-hand side at the integrator's `y` and discard the derivative.
     pub(super) fn differentiate(&mut self, t: f64, y: &[f64]) {
-        let mut slope = std::mem::take(&mut self.slope);
+        let mut slope = std::mem::take(&mut self.work.derivative);
         self.derivative(t, y, &mut slope);
-        self.slope = slope;
+        self.work.derivative = slope;
     }
 
     /// Return the body or bristle of a component of the state and the largest forces, as text.
@@ -178,7 +173,7 @@ impl MechanismDynamics {
             return;
         }
         let (first, unknowns) = (self.model.coordinates(), self.model.unknowns());
-        for bristle in self.parted_bristles() {
+        for bristle in self.contacts.parted_bristles(&self.model) {
             adams.reset_component(first + bristle);
             adams.reset_component(unknowns + first + bristle);
         }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::event_screening::ContactEnd;
 use super::contact::impact_memory::Memory;
+use super::contact::onset::StepMotion;
 use super::dynamics::MechanismDynamics;
 use super::inputs::MechanismInput;
 use super::model::MechanismModel;
@@ -93,7 +94,7 @@ impl System for MechanismDynamics {
             },
             Identity {
                 field: "stabilisation",
-                value: format!("{:?}", self.stabilisation),
+                value: format!("{:?}", self.constraints.stabilisation),
                 remedy: "make the simulation with the stabilisation of the state",
             },
         ]
@@ -105,12 +106,20 @@ impl System for MechanismDynamics {
 
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
         self.unbend_parted(adams);
-        self.find_onsets(adams, step);
+        let motion = StepMotion {
+            model: &self.model,
+            frames: &self.frames,
+            shift: &self.shift,
+            adams,
+            memory_at_start: &self.step.memory,
+        };
+        (self.contacts).find_onsets(&motion, step, &mut self.onsets);
         self.project_step_end(adams)
     }
 
     fn longest_step(&mut self, adams: &Adams) -> f64 {
-        self.begin_screening();
+        let accelerations = &self.accelerations;
+        (self.contacts).begin_screening(&self.model, &self.frames, accelerations);
         // The bound is evaluated up to twice the next step size, as step size control also tests whether a step is close to its
         // bound.
         let within = if adams.is_starting() {
@@ -135,7 +144,7 @@ impl System for MechanismDynamics {
 
     fn event_counts(&self) -> EventCounts {
         EventCounts {
-            onsets: self.onsets,
+            onsets: self.onsets.count,
             ..EventCounts::default()
         }
     }
@@ -184,14 +193,14 @@ impl System for MechanismDynamics {
                 *force = self.joint_force(joint);
             }
         } else {
-            for (force, push) in forces.iter_mut().zip(self.pushes()) {
+            for (force, push) in forces.iter_mut().zip(self.contacts.pushes(&self.model)) {
                 *force = push.norm();
             }
         }
     }
 
     fn set_recorded(&mut self, groups: Option<MechanismGroups>) {
-        self.unreported_onsets = groups.filter(|groups| groups.contacts).map(|_| Vec::new());
+        self.onsets.unreported = groups.filter(|groups| groups.contacts).map(|_| Vec::new());
     }
 
     fn evaluate_report(&mut self, adams: &Adams, t: f64, _groups: MechanismGroups) {
@@ -206,38 +215,38 @@ impl System for MechanismDynamics {
         let start = &self.step;
         MechanismCheckpoint {
             inputs: self.inputs.set.clone(),
-            shift: self.shift.clone(),
-            memory: self.memory.clone(),
+            shift: self.shift.values.clone(),
+            memory: self.contacts.memory.clone(),
             step_start: (start.time, start.shift.clone(), start.memory.clone()),
-            starts: self.starts.clone(),
-            reactions: self.reactions.clone(),
-            onsets: self.onsets,
+            starts: self.contacts.starts.clone(),
+            reactions: self.corrector.reactions.clone(),
+            onsets: self.onsets.count,
         }
     }
 
     fn restored(&self, checkpoint: &MechanismCheckpoint, adams: &Adams) -> Option<Self> {
         let (time, shift, memory) = &checkpoint.step_start;
-        let alike = checkpoint.shift.len() == self.shift.len()
-            && checkpoint.memory.len() == self.memory.len()
-            && shift.len() == self.shift.len()
-            && memory.len() == self.memory.len()
-            && checkpoint.starts.len() == self.starts.len()
+        let alike = checkpoint.shift.len() == self.shift.values.len()
+            && checkpoint.memory.len() == self.contacts.memory.len()
+            && shift.len() == self.shift.values.len()
+            && memory.len() == self.contacts.memory.len()
+            && checkpoint.starts.len() == self.contacts.starts.len()
             && checkpoint
                 .reactions
-                .is_within(self.rows.len(), self.accelerations.len());
+                .is_within(self.constraints.rows.len(), self.accelerations.len());
         // A checkpoint of other sizes belongs to another mechanism.
         let mut dynamics = alike.then(|| self.clone())?;
         dynamics.replace_inputs(&checkpoint.inputs)?;
-        dynamics.shift.clone_from(&checkpoint.shift);
+        dynamics.shift.values.clone_from(&checkpoint.shift);
         // The shift refers to the end of a step.
-        dynamics.shift_time = adams.time();
-        dynamics.memory.clone_from(&checkpoint.memory);
+        dynamics.shift.time = adams.time();
+        dynamics.contacts.memory.clone_from(&checkpoint.memory);
         dynamics.step.time = *time;
         dynamics.step.shift.clone_from(shift);
         dynamics.step.memory.clone_from(memory);
-        dynamics.starts.clone_from(&checkpoint.starts);
-        dynamics.reactions.clone_from(&checkpoint.reactions);
-        dynamics.onsets = checkpoint.onsets;
+        dynamics.contacts.starts.clone_from(&checkpoint.starts);
+        (dynamics.corrector.reactions).clone_from(&checkpoint.reactions);
+        dynamics.onsets.count = checkpoint.onsets;
         Some(dynamics)
     }
 }

@@ -3,7 +3,6 @@
 use super::contact::impact_memory::Memory;
 use super::description::body::Frame;
 use super::dynamics::MechanismDynamics;
-use crate::geometry::Vec2;
 use crate::integrator::Adams;
 use crate::system::Energy;
 
@@ -17,50 +16,30 @@ impl MechanismDynamics {
     /// Return the multiplier of each constraint equation.
     #[must_use]
     pub fn multipliers(&self) -> &[f64] {
-        &self.multipliers
+        &self.constraints.multipliers
     }
 
     /// Return the non-zero entries (constraint, coordinate, value) of the Jacobian at the last state.
     #[must_use]
     pub fn jacobian(&self) -> Vec<(usize, usize, f64)> {
-        let mut entries = Vec::new();
-        for (i, row) in self.rows.iter().enumerate() {
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = self.model.first[*body] {
-                    entries.extend((0..3).map(|k| (i, first + k, part[k])));
-                }
-            }
-        }
-        entries.retain(|entry| entry.2 != 0.0);
-        entries
+        self.constraints.jacobian(&self.model)
     }
 
     /// Return the right-hand sides γ of the constraints at the last state.
     #[must_use]
     pub fn gamma(&self) -> Vec<f64> {
-        self.rows.iter().map(|row| row.gamma).collect()
+        self.constraints.rows.iter().map(|row| row.gamma).collect()
     }
 
     /// Return the mass or moment of inertia of each coordinate, and the load on it at the last state, friction of pins included.
     #[must_use]
     pub fn masses_and_loads(&self) -> (&[f64], &[f64]) {
         let loads = if self.model.pins.is_empty() {
-            &self.forces
+            &self.loads.free
         } else {
-            &self.pin_torques.loads
+            &self.constraints.pin_torques.loads
         };
         (&self.model.mass, loads)
-    }
-
-    /// Return the force of each contact on its circle \[N\], with friction and film, summed over its sides.
-    pub(crate) fn pushes(&self) -> impl Iterator<Item = Vec2> {
-        let contacts = self.model.sides_of_contact.iter();
-        contacts.map(|sides| {
-            self.touches[sides.clone()]
-                .iter()
-                .map(|touch| touch.push + touch.friction)
-                .sum()
-        })
     }
 
     /// Return kinetic, elastic and gravitational energy at the last evaluation.
@@ -83,7 +62,10 @@ impl MechanismDynamics {
     /// Return the force of each contact on its circle \[N\].
     #[must_use]
     pub fn contact_forces(&self) -> Vec<[f64; 2]> {
-        self.pushes().map(<[f64; 2]>::from).collect()
+        self.contacts
+            .pushes(&self.model)
+            .map(<[f64; 2]>::from)
+            .collect()
     }
 
     /// Return positions (`velocities` false) or velocities (true) of all bodies but the ground at the last evaluation.
@@ -103,9 +85,8 @@ impl MechanismDynamics {
         let t = adams.time();
         let mut state = vec![0.0; 2 * self.model.coordinates()];
         self.state_at(adams, t, &mut state);
-        self.place(&state);
-        self.find_rows(t);
-        let (rows, frames) = (&self.rows, &self.frames);
+        self.place(t, &state);
+        let (rows, frames) = (&self.constraints.rows, &self.frames);
         [
             rows.iter().map(|row| row.value.abs()).fold(0.0, f64::max),
             rows.iter()
@@ -122,7 +103,7 @@ impl MechanismDynamics {
         velocities: Option<&[[f64; 3]]>,
         t: f64,
     ) {
-        let mut state = self.read_state();
+        let mut state = self.model.read_state(&self.frames);
         let n = self.model.coordinates();
         for (given, begin) in [(positions, 0), (velocities, n)] {
             for (row, first) in given.unwrap_or(&[]).iter().zip(&self.model.first[1..]) {
@@ -132,31 +113,21 @@ impl MechanismDynamics {
             }
         }
         if positions.is_some() {
-            self.memory.fill(Memory::default());
-            self.bristles.deflection.fill(0.0);
+            self.contacts.memory.fill(Memory::default());
+            self.contacts.bristles.deflection.fill(0.0);
         }
         self.evaluate(t, &state);
     }
 
+    /// Return the magnitude of a joint's force \[N\].
+    pub(crate) fn joint_force(&self, joint: usize) -> f64 {
+        let [x, y, _] = self.reaction(joint);
+        x.hypot(y)
+    }
+
     /// Return force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
-    #[must_use]
     pub(crate) fn reaction(&self, joint: usize) -> [f64; 3] {
-        let mut load = [0.0; 3];
-        // Generalised force -λ `c_q` on body b; its moment is moved from the centre of mass to point b.
-        for i in self.model.equations_of_joint[joint].clone() {
-            let end = self.model.equations[i].b;
-            let arm = self.frames[end.body].turned(end.point);
-            let [x, y, torque] = self.rows[i].jacobian[1].map(|j| -self.multipliers[i] * j);
-            load[0] += x;
-            load[1] += y;
-            load[2] += torque - (arm.x * y - arm.y * x);
-        }
-        for (pin, torque) in self.model.pins.iter().zip(&self.pin_torques.values) {
-            if pin.joint == joint {
-                load[2] += torque;
-            }
-        }
-        load
+        self.constraints.reaction(&self.model, &self.frames, joint)
     }
 
     /// Return the joint and the contact with the largest loads and the values prescribed by drivers, as text at the end of an error
@@ -169,7 +140,11 @@ impl MechanismDynamics {
         let joint = joints
             .filter(|j| j.0.is_finite())
             .max_by(|a, b| a.0.total_cmp(&b.0));
-        let contacts = self.pushes().map(|push| push.norm()).enumerate();
+        let contacts = self
+            .contacts
+            .pushes(&self.model)
+            .map(|push| push.norm())
+            .enumerate();
         let contact = contacts
             .filter(|c| c.1 > 0.0)
             .max_by(|a, b| a.1.total_cmp(&b.1));
@@ -181,11 +156,11 @@ impl MechanismDynamics {
             let name = &self.model.contact_names[contact];
             format!(", contact {name:?} with {force:.1e} N")
         });
-        let locked = if self.pin_torques.locked {
+        let locked = if self.constraints.pin_torques.locked {
             ", where the friction of a revolute joint locks itself: its coefficient times its radius is too large for the distance to the next joint"
         } else {
             ""
         };
-        joint + &contact + locked + &self.asked()
+        joint + &contact + locked + &self.constraints.asked(&self.model, &self.frames)
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::multibody::dynamics::MechanismDynamics;
+use super::projection::Projector;
 
 /// Scaled residual of positions above which damped least squares precede Newton's iterations.
 const FAR: f64 = 1e-3;
@@ -20,7 +20,7 @@ const MOST_ITERATIONS: usize = 300;
 /// Largest number of damping factors tried in one iteration; each is ten times the one before.
 const MOST_TRIALS: usize = 24;
 
-impl MechanismDynamics {
+impl Projector<'_> {
     /// Move distant positions close to the constraints. Return false where the positions of least residual do not satisfy them.
     ///
     /// Afterwards `state` and the constraint rows are those of the positions found. `give_up` is evaluated before each iteration and
@@ -31,9 +31,8 @@ impl MechanismDynamics {
         state: &mut [f64],
         give_up: &dyn Fn() -> bool,
     ) -> bool {
-        self.place(state);
-        self.find_rows(t);
-        if self.worst() <= FAR || self.rows.len() > MOST_ROWS {
+        self.place(t, state);
+        if self.worst() <= FAR || self.constraints.rows.len() > MOST_ROWS {
             return true;
         }
         let placed = state.to_vec();
@@ -54,8 +53,7 @@ impl MechanismDynamics {
         if arrived || self.worst() < missed {
             state.copy_from_slice(&nudged);
         }
-        self.place(state);
-        self.find_rows(t);
+        self.place(t, state);
         arrived
     }
 
@@ -63,9 +61,8 @@ impl MechanismDynamics {
     /// each.
     fn descend(&mut self, t: f64, state: &mut [f64], give_up: &dyn Fn() -> bool) -> bool {
         let n = self.model.coordinates();
-        self.place(state);
-        self.find_rows(t);
-        let size = self.size();
+        self.place(t, state);
+        let size = self.model.size(self.frames);
         let mut damping = 1e-3;
         let mut miss = self.scaled_residuals(size);
         for _ in 0..MOST_ITERATIONS {
@@ -107,8 +104,7 @@ impl MechanismDynamics {
                 for (q, c) in trial[..n].iter_mut().zip(&change) {
                     *q -= part * c;
                 }
-                self.place(&trial);
-                self.find_rows(t);
+                self.place(t, &trial);
                 let found = self.scaled_residuals(size);
                 if found.norm() < before {
                     fallen = found.norm() < before * (1.0 - 1e-9);
@@ -123,23 +119,22 @@ impl MechanismDynamics {
                 break;
             }
         }
-        self.place(state);
-        self.find_rows(t);
+        self.place(t, state);
         // Where solutions coincide, convergence is slow; a larger residual is accepted there.
         self.worst() <= 1e3 * NEAR
     }
 
     /// Return the residuals, with lengths divided by the size.
     fn scaled_residuals(&self, size: f64) -> DVector<f64> {
-        let values = self.rows.iter().enumerate();
+        let values = self.constraints.rows.iter().enumerate();
         let values = values.map(|(i, row)| row.value / self.unit(i, size));
-        DVector::from_iterator(self.rows.len(), values)
+        DVector::from_iterator(self.constraints.rows.len(), values)
     }
 
     /// Return the Jacobian of the scaled residuals.
     fn scaled_jacobian(&self, size: f64) -> DMatrix<f64> {
-        let mut matrix = DMatrix::zeros(self.rows.len(), self.model.coordinates());
-        for (i, k, value) in self.jacobian() {
+        let mut matrix = DMatrix::zeros(self.constraints.rows.len(), self.model.coordinates());
+        for (i, k, value) in self.constraints.jacobian(self.model) {
             matrix[(i, k)] += value / self.unit(i, size);
         }
         matrix

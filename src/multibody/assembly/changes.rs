@@ -1,7 +1,7 @@
 //! Changes made by assembly: displacements and rotations of bodies, and changes of their velocities.
 
-use crate::multibody::description::body::Body;
-use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::description::body::{Body, Frame};
+use crate::multibody::model::MechanismModel;
 
 /// Displacement over the mechanism's size, and rotation \[rad\], of a body above which a warning is given.
 const MOVED_FAR: f64 = 0.1;
@@ -42,11 +42,11 @@ impl Changes {
     }
 }
 
-impl MechanismDynamics {
+impl MechanismModel {
     /// Return warnings on bodies whose positions changed by much, or whose initial velocities did where these were given.
-    pub(crate) fn far_moves(&self, state: &[f64]) -> Vec<String> {
-        let (n, size) = (self.model.coordinates(), self.size());
-        let bodies = self.model.bodies.iter().zip(&self.model.first);
+    pub(crate) fn far_moves(&self, frames: &[Frame], state: &[f64]) -> Vec<String> {
+        let (n, size) = (self.coordinates(), self.size(frames));
+        let bodies = self.bodies.iter().zip(&self.first);
         let free: Vec<(&Body, usize)> = bodies
             .filter_map(|(body, first)| first.map(|i| (body, i)))
             .collect();

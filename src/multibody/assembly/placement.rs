@@ -5,7 +5,9 @@ use super::projection::AtHand;
 use super::start_warnings::loose_parts;
 use crate::error::{Error, Result};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
+use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::model::MechanismModel;
 
 /// Result of assembling a mechanism.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -52,16 +54,17 @@ impl MechanismDynamics {
             }
         }
         let placed = state.clone();
-        if !self.approach(0.0, &mut state, give_up)
-            || !self.project(0.0, &mut state, MOST_ITERATIONS, AtHand::Nothing)
+        let mut projector = self.projector();
+        if !projector.approach(0.0, &mut state, give_up)
+            || !projector.project(0.0, &mut state, MOST_ITERATIONS, AtHand::Nothing)
         {
-            return Err(self.refuse());
+            return Err(self.constraints.refuse(&self.model, &self.frames));
         }
         self.evaluate(0.0, &state);
-        self.check_starts()?;
+        check_starts(&self.model, &self.frames)?;
         let changes = Changes::between(&placed, &state);
-        let rank = self.kkt.as_ref().map_or(0, SparseKkt::rank);
-        let redundant = self.redundant();
+        let rank = self.constraints.kkt.as_ref().map_or(0, SparseKkt::rank);
+        let redundant = self.constraints.redundant(&self.model);
         let between = self.look_beside(&state);
         let mut assembly = Assembly {
             moved: changes.moved,
@@ -77,45 +80,10 @@ impl MechanismDynamics {
         Ok(assembly)
     }
 
-    /// Return an error where the centre of a circle is inside material at the start.
-    fn check_starts(&self) -> Result<()> {
-        for (contact, name) in self.model.contacts.iter().zip(&self.model.contact_names) {
-            let depth = contact.center_depth(&self.frames);
-            if depth > 0.0 {
-                let hole = if contact.is_hole() {
-                    " (the points of its outline run clockwise, so that the material lies outside of them: reverse \
-                     their order if it is to lie inside)"
-                } else {
-                    ""
-                };
-                return Err(Error::invalid(
-                    format!("start of contact {name:?}"),
-                    format!("{depth:.3e} m"),
-                    format!(
-                        "is the penetration of the centre of the circle, of radius {} m, into the material{hole}: place the \
-                         bodies so that they touch at most at their surfaces",
-                        contact.radius
-                    ),
-                ));
-            }
-        }
-        Ok(())
-    }
-
-    /// Return the joint of each constraint that depends on those described before it, in the order of description.
-    fn redundant(&mut self) -> Vec<String> {
-        let Some(kkt) = self.kkt.as_mut().filter(|kkt| kkt.rank() < self.rows.len()) else {
-            return Vec::new();
-        };
-        let joint = |row: usize| self.model.equations[row].joint;
-        let name = |row: usize| self.model.joints[joint(row)].name.clone();
-        kkt.dependent().into_iter().map(name).collect()
-    }
-
     /// Return all warnings on the assembly. `between`: the start is at a singular position where branches of the motion meet.
     fn warnings(&self, assembly: &Assembly, between: bool) -> Vec<String> {
         let mut warnings = Vec::new();
-        warnings.extend(self.far_moves(&assembly.state));
+        warnings.extend(self.model.far_moves(&self.frames, &assembly.state));
         if between {
             warnings.push(
                 "the mechanism starts in a singular position, such as all bars in one line, from which two motions are possible: \
@@ -127,11 +95,37 @@ impl MechanismDynamics {
         if !between {
             warnings.extend(told_redundant(&assembly.redundant));
         }
-        warnings.extend(self.pressed_starts());
-        warnings.extend(self.starts_behind());
+        let memory = &self.contacts.memory;
+        warnings.extend(self.model.pressed_starts(&self.frames, memory));
+        warnings.extend(self.model.starts_behind(&self.frames));
         warnings.extend(loose_parts(&self.model));
         warnings
     }
+}
+
+/// Return an error where the centre of a circle is inside material at the start.
+fn check_starts(model: &MechanismModel, frames: &[Frame]) -> Result<()> {
+    for (contact, name) in model.contacts.iter().zip(&model.contact_names) {
+        let depth = contact.center_depth(frames);
+        if depth > 0.0 {
+            let hole = if contact.is_hole() {
+                " (the points of its outline run clockwise, so that the material lies outside of them: reverse \
+                 their order if it is to lie inside)"
+            } else {
+                ""
+            };
+            return Err(Error::invalid(
+                format!("start of contact {name:?}"),
+                format!("{depth:.3e} m"),
+                format!(
+                    "is the penetration of the centre of the circle, of radius {} m, into the material{hole}: place the \
+                     bodies so that they touch at most at their surfaces",
+                    contact.radius
+                ),
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Return one message for all joints with redundant constraints. `names` has one entry per equation.

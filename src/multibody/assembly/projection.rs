@@ -1,8 +1,11 @@
 //! Projection of positions, then velocities, onto the constraints: the least change, weighted by mass.
 
-use super::residuals::largest;
+use super::residuals::{largest, round_off};
+use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
-use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::description::body::Frame;
+use crate::multibody::model::MechanismModel;
+use crate::multibody::newton::stage::ImplicitCorrector;
 
 /// Relative residual of positions that is accepted where Newton's iterations stagnate. Positions are scaled by the size.
 const LEFT: f64 = 1e-11;
@@ -48,7 +51,31 @@ struct Held {
     near: bool,
 }
 
-impl MechanismDynamics {
+/// Parts of the dynamics that a projection onto the constraints uses: it changes the frames, the rows and the factors.
+pub(crate) struct Projector<'a> {
+    pub(crate) model: &'a MechanismModel,
+    pub(crate) frames: &'a mut [Frame],
+    pub(crate) constraints: &'a mut ConstraintState,
+    pub(crate) corrector: &'a mut ImplicitCorrector,
+}
+
+impl Projector<'_> {
+    /// Set the body frames to a state without a shift and evaluate the constraint equations there.
+    pub(crate) fn place(&mut self, t: f64, state: &[f64]) {
+        self.model.place(self.frames, state);
+        self.find_rows(t);
+    }
+
+    /// Evaluate the constraint equations at the body frames.
+    pub(crate) fn find_rows(&mut self, t: f64) {
+        self.constraints.find_rows(self.model, t, self.frames);
+    }
+
+    /// Return the largest residual of positions.
+    pub(super) fn worst(&self) -> f64 {
+        self.constraints.worst(self.model, self.frames)
+    }
+
     /// Project `state` (q, then v) onto the constraints at time `t`: positions, then velocities.
     ///
     /// Return whether the remaining residual is accepted. Near a singular position the state is interpolated from both sides of it.
@@ -62,7 +89,7 @@ impl MechanismDynamics {
         match self.project_here(t, state, iterations, LEFT, at_hand) {
             Projected::There => true,
             Projected::Missed => false,
-            Projected::MissedNearSingular if self.aside => false,
+            Projected::MissedNearSingular if self.constraints.aside => false,
             // The direction without an independent constraint is determined on both sides.
             Projected::MissedNearSingular => {
                 self.project_across(t, state)
@@ -81,26 +108,26 @@ impl MechanismDynamics {
         left: f64,
         at_hand: AtHand,
     ) -> Projected {
-        let Some(kkt) = self.kkt.take() else {
+        let Some(kkt) = self.constraints.kkt.take() else {
             return Projected::There;
         };
         // Factors with constraints left out near a singular position hold for one state only.
         let by_corrector = at_hand == AtHand::Corrector;
-        let known =
-            by_corrector || at_hand != AtHand::Nothing && kkt.independence() >= self.near_singular;
+        let known = by_corrector
+            || at_hand != AtHand::Nothing && kkt.independence() >= self.constraints.near_singular;
         let mut held = Held {
             kkt,
             fresh: known && at_hand == AtHand::Everything,
             by_corrector,
             near: false,
         };
-        let [mut residual, mut change] = std::mem::take(&mut self.projecting);
+        let [mut residual, mut change] = std::mem::take(&mut self.constraints.projecting);
         if at_hand != AtHand::Everything {
             if at_hand == AtHand::Nothing {
-                self.place(state);
+                self.model.place(self.frames, state);
             } else {
                 // The frames are those of the state of the factors.
-                self.place_nearby(state);
+                self.model.place_nearby(self.frames, state);
             }
             self.find_rows(t);
         }
@@ -121,8 +148,8 @@ impl MechanismDynamics {
                 done = self.project_velocities(&mut held, state, with, left);
             }
         }
-        self.kkt = Some(held.kkt);
-        self.projecting = [residual, change];
+        self.constraints.kkt = Some(held.kkt);
+        self.constraints.projecting = [residual, change];
         match (done, held.near) {
             (true, _) => Projected::There,
             (false, true) => Projected::MissedNearSingular,
@@ -138,14 +165,17 @@ impl MechanismDynamics {
         [residual, change]: [&mut [f64]; 2],
         (iterations, left, known): (usize, f64, bool),
     ) -> bool {
-        let (n, size) = (self.model.coordinates(), self.size());
+        let (n, size) = (self.model.coordinates(), self.model.size(self.frames));
         let mut before = f64::INFINITY;
         for iteration in 0..iterations {
-            for (r, row) in residual.iter_mut().zip(&self.rows) {
+            for (r, row) in residual.iter_mut().zip(&self.constraints.rows) {
                 *r = row.value;
             }
             // Iterations end at round-off, or where the residual is below `left` and no longer halves.
-            let (worst, round_off) = (self.worst_beside(size), self.round_off());
+            let (worst, round_off) = (
+                self.constraints.worst_beside(self.model, size),
+                round_off(self.frames),
+            );
             if worst <= round_off || (worst < left && worst >= 0.5 * before) {
                 return true;
             }
@@ -165,7 +195,7 @@ impl MechanismDynamics {
                 .zip(&*change)
                 .for_each(|(q, c)| *q += c);
             held.fresh = false;
-            self.place_nearby(state);
+            self.model.place_nearby(self.frames, state);
             self.find_rows(t);
         }
         false
@@ -175,7 +205,7 @@ impl MechanismDynamics {
     /// corrector, in which contacts are stiff.
     fn correct_by(&mut self, held: &mut Held, residual: &[f64], change: &mut [f64]) {
         if held.by_corrector {
-            self.correct_constraints(residual, change);
+            self.corrector.correct_constraints(residual, change);
         } else {
             held.kkt.correct(residual, change);
         }
@@ -183,17 +213,17 @@ impl MechanismDynamics {
 
     /// Factorise at the present state, without nearly dependent constraints.
     fn factorise_held(&self, held: &mut Held) {
-        let faint = self.faint();
+        let faint = self.constraints.faint();
         // Interpolation points and trial positions keep nearly dependent constraints.
-        let part = if self.aside {
+        let part = if self.constraints.aside {
             faint
         } else {
-            self.near_singular
+            self.constraints.near_singular
         };
-        held.kkt.factorise(&self.rows, part);
-        held.near = held.kkt.rank() < self.rank;
+        held.kkt.factorise(&self.constraints.rows, part);
+        held.near = held.kkt.rank() < self.constraints.rank;
         if held.near && 0.0 < faint && faint < part {
-            held.kkt.factorise(&self.rows, faint);
+            held.kkt.factorise(&self.constraints.rows, faint);
         }
         (held.fresh, held.by_corrector) = (true, false);
     }
@@ -207,14 +237,14 @@ impl MechanismDynamics {
         left: f64,
     ) -> bool {
         let n = self.model.coordinates();
-        let speed = self.speed();
+        let speed = self.constraints.speed(self.frames);
         let round_off = f64::EPSILON * speed;
         let mut before = f64::INFINITY;
         // The velocity equation G v + ∂c/∂t = 0 is linear, so one correction suffices with exact factors. Further ones reduce
         // round-off and the error of factors of a nearby state.
         for _ in 0..4 {
-            for (r, row) in residual.iter_mut().zip(&self.rows) {
-                *r = row.rate(&self.frames);
+            for (r, row) in residual.iter_mut().zip(&self.constraints.rows) {
+                *r = row.rate(self.frames);
             }
             let worst = largest(residual.iter().copied());
             if worst <= round_off {
@@ -233,8 +263,13 @@ impl MechanismDynamics {
                 .iter_mut()
                 .zip(&*change)
                 .for_each(|(v, c)| *v += c);
-            self.move_with(state);
+            self.model.move_with(self.frames, state);
         }
-        largest(self.rows.iter().map(|row| row.rate(&self.frames))) <= left * speed
+        largest(
+            self.constraints
+                .rows
+                .iter()
+                .map(|row| row.rate(self.frames)),
+        ) <= left * speed
     }
 }

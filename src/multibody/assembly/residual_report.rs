@@ -1,39 +1,46 @@
 //! Error texts of assembly: residuals by joint, and the values prescribed by drivers.
 
 use crate::error::Error;
+use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::constraints::equation::{Equation, Row};
-use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::description::body::Frame;
+use crate::multibody::model::MechanismModel;
 
 /// Part of the largest residual below which a joint is not listed.
 const MISSED: f64 = 1e-6;
 
-impl MechanismDynamics {
+impl ConstraintState {
     /// Return the residuals of positions by joint as text, or those of velocities where positions satisfy the constraints.
-    pub(crate) fn what_misses(&self) -> String {
-        let missed = if self.worst() <= 1e-9 {
-            self.rates()
+    pub(crate) fn what_misses(&self, model: &MechanismModel, frames: &[Frame]) -> String {
+        let missed = if self.worst(model, frames) <= 1e-9 {
+            self.rates(model, frames)
         } else {
-            self.misses()
+            self.misses(model)
         };
-        format!("{missed}{}", self.asked())
+        format!("{missed}{}", self.asked(model, frames))
     }
 
     /// Return the residuals of positions by joint as text.
-    fn misses(&self) -> String {
-        self.residuals(Equation::residual, ["m", "rad"])
+    fn misses(&self, model: &MechanismModel) -> String {
+        self.residuals(model, Equation::residual, ["m", "rad"])
     }
 
     /// Return the residuals of velocities by joint as text.
-    fn rates(&self) -> String {
-        let rate = |equation: &Equation, row: &Row| equation.residual_rate(row, &self.frames);
-        self.residuals(rate, ["m/s", "rad/s"])
+    fn rates(&self, model: &MechanismModel, frames: &[Frame]) -> String {
+        let rate = |equation: &Equation, row: &Row| equation.residual_rate(row, frames);
+        self.residuals(model, rate, ["m/s", "rad/s"])
     }
 
     /// Return the largest residual of each joint as text, in decreasing order; at most five joints are listed.
-    fn residuals(&self, of: impl Fn(&Equation, &Row) -> f64, unit: [&str; 2]) -> String {
+    fn residuals(
+        &self,
+        model: &MechanismModel,
+        of: impl Fn(&Equation, &Row) -> f64,
+        unit: [&str; 2],
+    ) -> String {
         let mut found: Vec<(f64, String)> = Vec::new();
-        for (j, joint) in self.model.joints.iter().enumerate() {
-            let rows = self.model.equations.iter().zip(&self.rows);
+        for (j, joint) in model.joints.iter().enumerate() {
+            let rows = model.equations.iter().zip(&self.rows);
             let worst = rows
                 .filter(|(equation, _)| equation.joint == j)
                 .map(|(equation, row)| {
@@ -55,15 +62,15 @@ impl MechanismDynamics {
     }
 
     /// Return the values and rates prescribed by moving drivers as text; at most three are listed.
-    pub(crate) fn asked(&self) -> String {
-        let equations = self.model.equations.iter().zip(&self.rows);
+    pub(crate) fn asked(&self, model: &MechanismModel, frames: &[Frame]) -> String {
+        let equations = model.equations.iter().zip(&self.rows);
         let driven = equations.filter_map(|(equation, row)| {
             equation.motion.as_ref().filter(|motion| motion.moves())?;
             let unit = if equation.is_angle() { "rad" } else { "m" };
             Some(format!(
                 "driver {:?} prescribes {:.4e} {unit}, changing at {:.4e} {unit}/s",
-                self.model.joints[equation.joint].name,
-                equation.quantity(&self.frames) - row.value,
+                model.joints[equation.joint].name,
+                equation.quantity(frames) - row.value,
                 -row.time_rate
             ))
         });
@@ -75,18 +82,18 @@ impl MechanismDynamics {
     }
 
     /// Return the error for an assembly that failed, with the residuals by joint.
-    pub(crate) fn refuse(&self) -> Error {
-        if self.worst() <= 1e-9 {
+    pub(crate) fn refuse(&self, model: &MechanismModel, frames: &[Frame]) -> Error {
+        if self.worst(model, frames) <= 1e-9 {
             return Error::Impossible(format!(
                 "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may prescribe \
                  different speeds, or a driver may contradict the joints",
-                self.rates()
+                self.rates(model, frames)
             ));
         }
         Error::Impossible(format!(
             "the mechanism cannot be assembled; the nearest positions miss {}: check lengths, points and units of \
              these joints (SI: metres, radians)",
-            self.misses()
+            self.misses(model)
         ))
     }
 }

@@ -1,31 +1,35 @@
 //! Residuals of the constraints relative to the size and the speeds of the mechanism.
 
-use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::constraints::constraint_state::ConstraintState;
+use crate::multibody::description::body::Frame;
+use crate::multibody::model::MechanismModel;
 
-impl MechanismDynamics {
+impl MechanismModel {
     /// Return the size of the mechanism \[m\]: the largest coordinate of a centre of mass or of a joint's point.
     ///
     /// It is at least the smallest radius of gyration, as all points may coincide.
-    pub(crate) fn size(&self) -> f64 {
-        let far = self.frames.iter().map(|f| f.origin.amax());
-        let ends = self.model.equations.iter();
+    pub(crate) fn size(&self, frames: &[Frame]) -> f64 {
+        let far = frames.iter().map(|f| f.origin.amax());
+        let ends = self.equations.iter();
         let arms = ends.map(|e| e.a.point.amax().max(e.b.point.amax()));
-        let gyration = self.model.mass.chunks_exact(3);
+        let gyration = self.mass.chunks_exact(3);
         let gyration = gyration.map(|body| (body[2] / body[0]).sqrt());
         let least = gyration.filter(|&radius| radius > 0.0).reduce(f64::min);
         let least = least.filter(|radius| radius.is_finite());
         let size = far.chain(arms).chain(least).fold(0.0, f64::max);
         if size > 0.0 { size } else { 1.0 }
     }
+}
 
+impl ConstraintState {
     /// Return the largest residual of positions: lengths divided by the size, angles in radians.
-    pub(crate) fn worst(&self) -> f64 {
-        self.worst_beside(self.size())
+    pub(crate) fn worst(&self, model: &MechanismModel, frames: &[Frame]) -> f64 {
+        self.worst_beside(model, model.size(frames))
     }
 
     /// Return the same for a given size \[m\]; not a number where a residual is.
-    pub(crate) fn worst_beside(&self, size: f64) -> f64 {
-        let equations = self.model.equations.iter().zip(&self.rows);
+    pub(crate) fn worst_beside(&self, model: &MechanismModel, size: f64) -> f64 {
+        let equations = model.equations.iter().zip(&self.rows);
         largest(equations.map(|(equation, row)| {
             let unit = if equation.is_angle() { 1.0 } else { size };
             row.value / unit
@@ -33,24 +37,17 @@ impl MechanismDynamics {
     }
 
     /// Return the scale of velocity residuals: the largest velocity component or prescribed rate, at least 1e-3.
-    pub(crate) fn speed(&self) -> f64 {
-        let speeds = self
-            .frames
-            .iter()
-            .map(|f| f.velocity.amax().max(f.spin.abs()));
+    pub(crate) fn speed(&self, frames: &[Frame]) -> f64 {
+        let speeds = frames.iter().map(|f| f.velocity.amax().max(f.spin.abs()));
         let prescribed = self.rows.iter().map(|row| row.time_rate.abs());
         speeds.chain(prescribed).fold(1e-3, f64::max)
     }
+}
 
-    /// Return the round-off of relative residuals; it grows with the largest angle, whose absolute round-off is larger.
-    pub(crate) fn round_off(&self) -> f64 {
-        let angle = self
-            .frames
-            .iter()
-            .map(|f| f.angle.abs())
-            .fold(1.0, f64::max);
-        2.0 * f64::EPSILON * angle
-    }
+/// Return the round-off of relative residuals; it grows with the largest angle, whose absolute round-off is larger.
+pub(super) fn round_off(frames: &[Frame]) -> f64 {
+    let angles = frames.iter().map(|frame| frame.angle.abs());
+    2.0 * f64::EPSILON * angles.fold(1.0, f64::max)
 }
 
 /// Return the largest magnitude; not a number where one of the values is: `f64::max` would ignore it.

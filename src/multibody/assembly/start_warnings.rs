@@ -1,16 +1,17 @@
 //! Warnings on the start: bodies without connection to the ground, and contacts with a large initial penetration.
 
-use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::contact::impact_memory::Memory;
+use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
 
 /// Initial penetration over the circle's radius above which a warning is given.
 const PRESSED: f64 = 0.05;
 
-impl MechanismDynamics {
+impl MechanismModel {
     /// Return warnings on circles that start behind an open outline. They exert no force until they have left it.
-    pub(crate) fn starts_behind(&self) -> Vec<String> {
-        let contacts = self.model.contacts.iter().zip(&self.model.contact_names);
-        let found = contacts.filter(|(contact, _)| contact.is_behind(&self.frames));
+    pub(crate) fn starts_behind(&self, frames: &[Frame]) -> Vec<String> {
+        let contacts = self.contacts.iter().zip(&self.contact_names);
+        let found = contacts.filter(|(contact, _)| contact.is_behind(frames));
         let found = found.map(|(_, name)| {
             format!(
                 "contact {name:?}: its circle starts behind the open outline and has no contact until it is in front: the material \
@@ -22,11 +23,11 @@ impl MechanismDynamics {
     }
 
     /// Return warnings on contacts whose initial penetration exceeds that of bodies resting on each other.
-    pub(crate) fn pressed_starts(&self) -> Vec<String> {
-        let contacts = self.model.contacts.iter().zip(&self.model.contact_names);
-        let sides = self.model.sides_of_contact.iter();
+    pub(crate) fn pressed_starts(&self, frames: &[Frame], memory: &[Memory]) -> Vec<String> {
+        let contacts = self.contacts.iter().zip(&self.contact_names);
+        let sides = self.sides_of_contact.iter();
         let found = contacts.zip(sides).filter_map(|((contact, name), sides)| {
-            let depth = contact.penetration(&self.frames, &self.memory[sides.clone()]);
+            let depth = contact.penetration(frames, &memory[sides.clone()]);
             (depth > PRESSED * contact.radius).then(|| {
                 format!(
                     "contact {name:?} starts with its circle of radius {} m at a penetration of {depth:.3e} m: it will rebound; \

@@ -1,5 +1,6 @@
 //! Constraint equations and the linear systems that contain them.
 
+pub(crate) mod constraint_state;
 pub(crate) mod equation;
 pub(crate) mod joint_slopes;
 pub(crate) mod pin_friction;

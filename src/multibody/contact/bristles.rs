@@ -63,6 +63,20 @@ impl Bristles {
             self.foretold.copy_from_slice(foretold);
         }
     }
+
+    /// Read [q, v] and the deflections from a state of the integrator.
+    pub(crate) fn read(&mut self, model: &MechanismModel, y: &[f64], state: &mut [f64]) {
+        let (n, count) = (model.coordinates(), model.bristles);
+        if count == 0 {
+            state.copy_from_slice(&y[..2 * n]);
+            return;
+        }
+        state[..n].copy_from_slice(&y[..n]);
+        let velocities = n + count;
+        state[n..2 * n].copy_from_slice(&y[velocities..velocities + n]);
+        let z = velocities + n;
+        self.deflection.copy_from_slice(&y[z..z + count]);
+    }
 }
 
 impl MechanismModel {
@@ -83,20 +97,6 @@ impl MechanismModel {
 }
 
 impl MechanismDynamics {
-    /// Read [q, v] and the deflections from a state of the integrator.
-    pub(crate) fn read(&mut self, y: &[f64], state: &mut [f64]) {
-        let (n, count) = (self.model.coordinates(), self.model.bristles);
-        if count == 0 {
-            state.copy_from_slice(&y[..2 * n]);
-            return;
-        }
-        state[..n].copy_from_slice(&y[..n]);
-        let velocities = n + count;
-        state[n..2 * n].copy_from_slice(&y[velocities..velocities + n]);
-        let z = velocities + n;
-        self.bristles.deflection.copy_from_slice(&y[z..z + count]);
-    }
-
     /// Return the integrator's state for [q, v] with the present deflections and energy sums.
     pub(crate) fn solution_of(&self, state: &[f64]) -> Vec<f64> {
         let (q, v) = state.split_at(self.model.coordinates());
@@ -105,15 +105,9 @@ impl MechanismDynamics {
             q,
             &unused,
             v,
-            &self.bristles.deflection,
+            &self.contacts.bristles.deflection,
             &self.sums.totals(),
         ]
         .concat()
-    }
-
-    /// Return the bristles of all sides without contact at the last evaluation.
-    pub(crate) fn parted_bristles(&self) -> impl Iterator<Item = usize> {
-        let sides = self.touches.iter().zip(&self.model.bristle_of_side);
-        sides.filter_map(|(touch, bristle)| bristle.filter(|_| touch.contact.penetration <= 0.0))
     }
 }

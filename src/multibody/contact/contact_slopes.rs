@@ -2,10 +2,12 @@
 
 use nalgebra::Matrix2;
 
-use super::contact_state::CompiledContact;
-use super::impact_memory::Memory;
-use crate::multibody::constraints::relative_kinematics::PairForce;
+use super::compiled_contact::CompiledContact;
+use super::contact_states::ContactStates;
+use super::impact_memory::{Memory, Touch};
+use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
 use crate::multibody::description::body::Frame;
+use crate::multibody::model::MechanismModel;
 
 impl CompiledContact {
     /// Call `visit` with the side and the force slopes of each contact point that has a force.
@@ -49,5 +51,45 @@ impl CompiledContact {
             };
             visit(bearing.side, &slopes);
         });
+    }
+}
+
+impl ContactStates {
+    /// Return whether contact `k` may have a force: contacts without penetration and film have none.
+    pub(crate) fn has_force(&self, model: &MechanismModel, k: usize) -> bool {
+        let touches = &self.touches[model.sides_of_contact[k].clone()];
+        let apart = |touch: &Touch| touch.contact.penetration <= 0.0;
+        model.contacts[k].film.is_some() || !touches.iter().all(apart)
+    }
+
+    /// Call `visit` with the derivatives of the normal force at each contact point of contact `k`, then with those of the friction of
+    /// each side and of the film, which have a torque.
+    pub(crate) fn visit_slopes(
+        &self,
+        model: &MechanismModel,
+        frames: &[Frame],
+        k: usize,
+        mut visit: impl FnMut(&PairForce, Option<&PairTorque>),
+    ) {
+        let (contact, sides) = (&model.contacts[k], &model.sides_of_contact[k]);
+        let memory = &self.memory[sides.clone()];
+        contact.slopes(frames, memory, |_, force| visit(force, None));
+        if let Some(law) = &contact.friction {
+            for k in sides.clone().filter(|&k| self.touches[k].force > 0.0) {
+                let mut push = PairForce::default();
+                contact.slopes(frames, memory, |side, part| {
+                    if sides.start + side == k {
+                        push.add(part);
+                    }
+                });
+                let bent = model.bristle_of_side[k].map(|i| self.bristles.bent(i));
+                let (force, torque) = contact.friction_slopes(law, frames, &push, bent);
+                visit(&force, Some(&torque));
+            }
+        }
+        if let Some(film) = &contact.film {
+            let (force, torque) = contact.film_slopes(film, frames);
+            visit(&force, Some(&torque));
+        }
     }
 }

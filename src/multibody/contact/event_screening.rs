@@ -2,13 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::compiled_contact::CompiledContact;
 use super::contact_path::{ContactPath, Depth, Motion, UNSEEN};
-use super::contact_state::CompiledContact;
+use super::contact_states::ContactStates;
 use super::impact_memory::Memory;
 use super::step_bound::FARTHEST;
 use crate::geometry::{Vec2, turned_left};
 use crate::integrator::event_location::Cubic;
-use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::description::body::Frame;
+use crate::multibody::model::MechanismModel;
 
 /// State of a contact at one end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -27,25 +29,34 @@ impl ContactEnd {
     };
 }
 
-impl MechanismDynamics {
+impl ContactStates {
     /// Write the state of all contacts at the start of the next step, which is the state of the last evaluation.
-    pub(crate) fn begin_screening(&mut self) {
-        let mut starts = std::mem::take(&mut self.starts);
-        for (k, start) in starts.iter_mut().enumerate() {
-            *start = self.contact_end(k);
+    pub(crate) fn begin_screening(
+        &mut self,
+        model: &MechanismModel,
+        frames: &[Frame],
+        accelerations: &[f64],
+    ) {
+        for (k, contact) in model.contacts.iter().enumerate() {
+            self.starts[k] = contact.end_of_step(self.deepest[k], model, frames, accelerations);
         }
-        self.starts = starts;
     }
 
     /// Return whether a contact begins and ends, or ends and begins again, within the last evaluated step of `length` \[s\].
-    pub(crate) fn passes_contact(&self, length: f64) -> bool {
-        (0..self.starts.len()).any(|k| {
-            let (start, end) = (&self.starts[k], self.contact_end(k));
+    pub(crate) fn passes_contact(
+        &self,
+        model: &MechanismModel,
+        frames: &[Frame],
+        accelerations: &[f64],
+        length: f64,
+    ) -> bool {
+        model.contacts.iter().enumerate().any(|(k, contact)| {
+            let start = &self.starts[k];
+            let end = contact.end_of_step(self.deepest[k], model, frames, accelerations);
             let Some(path) = path_between(start, &end, length) else {
                 return false;
             };
-            let contact = &self.model.contacts[k];
-            let memory = &self.memory[self.model.sides_of_contact[k].clone()];
+            let memory = &self.memory[model.sides_of_contact[k].clone()];
             let depth = Depth {
                 radius: contact.radius,
                 at: |place| contact.depth_at(place, memory),
@@ -62,29 +73,6 @@ impl MechanismDynamics {
                     .is_some_and(|part| (depth.at)(path.at(part)) < -UNSEEN),
             }
         })
-    }
-
-    /// Return the state of contact `k` at the last evaluation.
-    fn contact_end(&self, k: usize) -> ContactEnd {
-        let contact = &self.model.contacts[k];
-        let depth = self.deepest[k];
-        if depth[0] <= -FARTHEST * contact.radius {
-            return ContactEnd::FAR;
-        }
-        let (fa, fb) = (&self.frames[contact.a.body], &self.frames[contact.b.body]);
-        let (speed, acceleration) =
-            contact.relative_motion(&self.frames, self.rates_of_pair(contact));
-        // Coriolis term of the rotating frame of the profile; the other terms of that frame are in the acceleration.
-        let acceleration = acceleration - 2.0 * fa.spin * turned_left(speed);
-        let motion = [
-            contact.local(fa, fb),
-            fa.into_local(speed),
-            fa.into_local(acceleration),
-        ];
-        ContactEnd {
-            depth,
-            motion: Some(motion.map(Into::into)),
-        }
     }
 }
 
@@ -112,6 +100,33 @@ fn continued([place, velocity, acceleration]: Motion, time: f64) -> Motion {
 }
 
 impl CompiledContact {
+    /// Return the state at the last evaluation; `depth`: penetration \[m\] and its rate \[m/s\].
+    fn end_of_step(
+        &self,
+        depth: [f64; 2],
+        model: &MechanismModel,
+        frames: &[Frame],
+        accelerations: &[f64],
+    ) -> ContactEnd {
+        if depth[0] <= -FARTHEST * self.radius {
+            return ContactEnd::FAR;
+        }
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let of_bodies = self.accelerations_of_bodies(model, accelerations);
+        let (speed, acceleration) = self.relative_motion(frames, of_bodies);
+        // Coriolis term of the rotating frame of the profile; the other terms of that frame are in the acceleration.
+        let acceleration = acceleration - 2.0 * fa.spin * turned_left(speed);
+        let motion = [
+            self.local(fa, fb),
+            fa.into_local(speed),
+            fa.into_local(acceleration),
+        ];
+        ContactEnd {
+            depth,
+            motion: Some(motion.map(Into::into)),
+        }
+    }
+
     /// Return an upper bound of the penetration \[m\] of a circle out of reach, from the circle that encloses the profile. It is -∞ if
     /// the gap is larger than a step may carry the circle. `apart` is the square of the distance of both markers \[m²\].
     pub(crate) fn outer_depth(&self, apart: f64) -> f64 {

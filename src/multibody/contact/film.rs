@@ -7,7 +7,7 @@
 
 use nalgebra::Matrix2;
 
-use super::contact_state::CompiledContact;
+use super::compiled_contact::CompiledContact;
 use super::impact_memory::Touch;
 use crate::force_law::HingeFilm;
 use crate::geometry::{Vec2, turned_left};

@@ -8,7 +8,7 @@
 use nalgebra::Matrix2;
 
 use super::bristles::{Bent, Bristles};
-use super::contact_state::CompiledContact;
+use super::compiled_contact::CompiledContact;
 use super::impact_memory::Touch;
 use crate::force_law::LuGre;
 use crate::geometry::{Vec2, turned_left};

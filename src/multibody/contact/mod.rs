@@ -1,9 +1,10 @@
 //! Contacts of circles with profiles: contact points, forces, impact velocity memory, bound of the step size.
 
 pub(crate) mod bristles;
+pub(crate) mod compiled_contact;
 pub(crate) mod contact_path;
 pub(crate) mod contact_slopes;
-pub(crate) mod contact_state;
+pub(crate) mod contact_states;
 pub(crate) mod event_screening;
 pub(crate) mod film;
 pub(crate) mod friction;

@@ -1,11 +1,13 @@
 //! Contact onsets and contact ends within a step, and the impact velocity memory of each side.
 
+use super::contact_states::ContactStates;
 use super::impact_memory::{Memory, Touch};
 use super::outline::Place;
 use crate::integrator::event_location::first_crossing;
 use crate::integrator::{Adams, Step};
 use crate::multibody::description::body::Frame;
-use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::frames::Shift;
+use crate::multibody::model::MechanismModel;
 
 /// Penetration at the onset over the penetration at the end of the step, below which the contact started at zero penetration.
 /// Above it, the contact moved over from another side.
@@ -21,119 +23,58 @@ pub(crate) struct Onset {
     pub(crate) velocity: f64,
 }
 
-impl MechanismDynamics {
-    /// Set the memory of all contacts present at the last evaluation, with the present penetration rate as initial impact velocity.
-    pub(crate) fn remember_present_contacts(&mut self) {
-        for k in 0..self.touches.len() {
-            let touch = self.touches[k];
-            if touch.contact.penetration > 0.0 {
-                self.begin_contact(k, touch.piece, touch.contact.penetration_rate);
-                self.note_place(k, touch.place);
-            } else {
-                self.memory[k] = self.apart(k);
-            }
+/// Contact onsets of a run.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Onsets {
+    /// Number of contact onsets.
+    pub(crate) count: u64,
+    /// Onsets without a recorded row, while a recording needs them.
+    pub(crate) unreported: Option<Vec<Onset>>,
+}
+
+impl Onsets {
+    fn add(&mut self, onset: Onset) {
+        self.count += 1;
+        if let Some(onsets) = &mut self.unreported {
+            onsets.push(onset);
         }
     }
 
-    /// Write the memory of contacts with an onset or an end within the step. The onset is a root of the dense output.
-    pub(crate) fn find_onsets(&mut self, adams: &Adams, step: &Step) {
-        for contact in 0..self.near.len() {
-            let sides = self.model.sides_of_contact[contact].clone();
-            if self.near[contact] {
-                let open = self.model.contacts[contact].is_open();
-                sides.for_each(|k| self.find_onset_of_side(k, open, adams, step));
-            } else {
-                // Circles out of reach have no memory: the reach of an open outline, which has a back, is infinite.
-                self.memory[sides].fill(Memory::default());
-            }
-        }
-    }
-
-    fn find_onset_of_side(&mut self, k: usize, open: bool, adams: &Adams, step: &Step) {
-        let touch = &self.touches[k];
-        let place = touch.place;
-        if touch.contact.penetration > 0.0 {
-            // Penetration without memory: the contact began within the step.
-            if self.memory[k].speed <= 0.0 {
-                self.find_onset(k, touch.contact.penetration, adams, step);
-            }
-            self.note_place(k, place);
-            return;
-        }
-        if open {
-            self.memory[k] = self.apart(k);
-        } else {
-            self.memory[k] = Memory::default();
-        }
-    }
-
-    fn find_onset(&mut self, k: usize, depth: f64, adams: &Adams, step: &Step) {
-        let (t, rate) = first_crossing(|t| self.side_at(adams, k, t).contact, step.start, step.end);
-        let begun = self.side_at(adams, k, t);
-        if begun.contact.penetration > SHALLOW * depth
-            && let Some(speed) = self.speed_beside(k)
-        {
-            // The contact moved over from a neighbouring side: its penetration is not zero at the crossing. It is not an onset, and the
-            // impact velocity memory of that side remains valid.
-            let memory = &mut self.memory[k];
-            *memory = Memory {
-                speed,
-                piece: begun.piece,
-                in_front: false,
-            };
-            return;
-        }
-        self.begin_contact(k, begun.piece, rate);
-        self.onsets += 1;
-        let (contact, _) = self.model.sides[k];
-        if let Some(onsets) = &mut self.unreported_onsets {
-            onsets.push(Onset {
-                time: t,
-                contact,
-                velocity: rate,
+    /// Return the largest initial impact velocity of each contact \[m/s\] among the onsets up to `t`, and remove these onsets.
+    pub(crate) fn take_velocities(&mut self, contacts: usize, t: f64) -> Vec<f64> {
+        let mut largest = vec![0.0f64; contacts];
+        if let Some(onsets) = &mut self.unreported {
+            onsets.retain(|onset| {
+                if onset.time <= t {
+                    let largest = &mut largest[onset.contact];
+                    *largest = largest.max(onset.velocity);
+                }
+                onset.time > t
             });
         }
+        largest
     }
+}
 
-    pub(crate) fn begin_contact(&mut self, k: usize, piece: usize, rate: f64) {
-        let (contact, _) = self.model.sides[k];
-        self.memory[k] = self.model.contacts[contact].remember(piece, rate);
-    }
+/// Motion of the bodies in the last step: dense output and shift.
+pub(crate) struct StepMotion<'a> {
+    pub(crate) model: &'a MechanismModel,
+    /// Frames of the last evaluation, for bodies that are fixed.
+    pub(crate) frames: &'a [Frame],
+    pub(crate) shift: &'a Shift,
+    pub(crate) adams: &'a Adams,
+    /// Memory of all sides at the start of the step.
+    pub(crate) memory_at_start: &'a [Memory],
+}
 
-    /// Record whether the circle came from the front of an open outline. Only then is it in contact at any depth. A circle that
-    /// moved round the end is not in contact with the surface from behind.
-    pub(crate) fn note_place(&mut self, k: usize, place: Place) {
-        let memory = &mut self.memory[k];
-        match place {
-            Place::Front | Place::Deep => memory.in_front = true,
-            Place::EndFront => memory.in_front = false,
-            Place::EndBack | Place::DeepAtEnd => {}
-        }
-    }
-
-    /// Return the largest initial impact velocity in the memory of the other sides of the same contact \[m/s\].
-    fn speed_beside(&self, k: usize) -> Option<f64> {
-        let (contact, _) = self.model.sides[k];
-        let sides = self.model.sides_of_contact[contact].clone();
-        let speeds = sides
-            .filter(|&other| other != k)
-            .map(|other| self.speed_at_step_start(other));
-        speeds.reduce(f64::max).filter(|&speed| speed > 0.0)
-    }
-
-    /// Return the contact state of side `k` at time `t` \[s\] inside the last step, from the dense output.
-    fn side_at(&self, adams: &Adams, k: usize, t: f64) -> Touch {
-        let (contact, side) = self.model.sides[k];
-        let contact = &self.model.contacts[contact];
-        let dense = adams.dense(t);
-        let model = &self.model;
-        let n = model.coordinates();
-        // The shift by projections is constant for velocities and grows linearly for positions, so that dq/dt = v.
-        let (shift, since) = (&self.shift, t - self.shift_time);
-        let value = |i: usize| {
-            let grown = if i < n { since * shift[n + i] } else { 0.0 };
-            dense.value(model.component(i)) + shift[i] + grown
-        };
+impl StepMotion<'_> {
+    /// Return the contact state of side `k` at time `t` \[s\].
+    fn side_at(&self, k: usize, t: f64) -> Touch {
+        let model = self.model;
+        let (contact, side) = model.sides[k];
+        let contact = &model.contacts[contact];
+        let (dense, n) = (self.adams.dense(t), model.coordinates());
+        let value = |i: usize| (self.shift).shifted(i, t, dense.value(model.component(i)));
         let frame = |body: usize| match model.first[body] {
             None => self.frames[body],
             Some(i) => Frame::new(
@@ -143,5 +84,139 @@ impl MechanismDynamics {
         };
         let (fa, fb) = (frame(contact.a.body), frame(contact.b.body));
         contact.find(&fa, &fb, side, Memory::default())
+    }
+
+    /// Return the largest initial impact velocity in the memory of the other sides of the same contact \[m/s\].
+    fn speed_beside(&self, k: usize) -> Option<f64> {
+        let (contact, _) = self.model.sides[k];
+        let sides = self.model.sides_of_contact[contact].clone();
+        let speeds = sides
+            .filter(|&other| other != k)
+            .map(|other| self.memory_at_start[other].speed);
+        speeds.reduce(f64::max).filter(|&speed| speed > 0.0)
+    }
+}
+
+impl ContactStates {
+    /// Set the memory of all contacts present at the last evaluation, with the present penetration rate as initial impact velocity.
+    pub(crate) fn remember_present(&mut self, model: &MechanismModel, frames: &[Frame]) {
+        for k in 0..self.touches.len() {
+            let touch = self.touches[k];
+            if touch.contact.penetration > 0.0 {
+                self.begin_contact(model, k, touch.piece, touch.contact.penetration_rate);
+                self.note_place(k, touch.place);
+            } else {
+                self.memory[k] = self.apart(k, model, frames);
+            }
+        }
+    }
+
+    /// Write the memory of contacts with an onset or an end within the step. The onset is a root of the dense output.
+    pub(crate) fn find_onsets(&mut self, motion: &StepMotion, step: &Step, onsets: &mut Onsets) {
+        for (number, contact) in motion.model.contacts.iter().enumerate() {
+            let sides = motion.model.sides_of_contact[number].clone();
+            if !self.near[number] {
+                // Circles out of reach have no memory: the reach of an open outline, which has a back, is infinite.
+                self.memory[sides].fill(Memory::default());
+                continue;
+            }
+            for k in sides {
+                let touch = self.touches[k];
+                if touch.contact.penetration > 0.0 {
+                    // Penetration without memory: the contact began within the step.
+                    if self.memory[k].speed <= 0.0 {
+                        self.find_onset(k, touch.contact.penetration, motion, step, onsets);
+                    }
+                    self.note_place(k, touch.place);
+                } else if contact.is_open() {
+                    self.memory[k] = self.apart(k, motion.model, motion.frames);
+                } else {
+                    self.memory[k] = Memory::default();
+                }
+            }
+        }
+    }
+
+    fn find_onset(
+        &mut self,
+        k: usize,
+        depth: f64,
+        motion: &StepMotion,
+        step: &Step,
+        onsets: &mut Onsets,
+    ) {
+        let (t, rate) = first_crossing(|t| motion.side_at(k, t).contact, step.start, step.end);
+        let begun = motion.side_at(k, t);
+        if begun.contact.penetration > SHALLOW * depth
+            && let Some(speed) = motion.speed_beside(k)
+        {
+            // The contact moved over from a neighbouring side: its penetration is not zero at the crossing. It is not an onset, and the
+            // impact velocity memory of that side remains valid.
+            self.memory[k] = Memory {
+                speed,
+                piece: begun.piece,
+                in_front: false,
+            };
+            return;
+        }
+        self.begin_contact(motion.model, k, begun.piece, rate);
+        onsets.add(Onset {
+            time: t,
+            contact: motion.model.sides[k].0,
+            velocity: rate,
+        });
+    }
+
+    fn begin_contact(&mut self, model: &MechanismModel, k: usize, piece: usize, rate: f64) {
+        let (contact, _) = model.sides[k];
+        self.memory[k] = model.contacts[contact].remember(piece, rate);
+    }
+
+    /// Record whether the circle came from the front of an open outline. Only then is it in contact at any depth. A circle that
+    /// moved round the end is not in contact with the surface from behind.
+    fn note_place(&mut self, k: usize, place: Place) {
+        let memory = &mut self.memory[k];
+        match place {
+            Place::Front | Place::Deep => memory.in_front = true,
+            Place::EndFront => memory.in_front = false,
+            Place::EndBack | Place::DeepAtEnd => {}
+        }
+    }
+
+    /// Set the memory to that at `t` within the last step, where the contacts were evaluated last.
+    ///
+    /// Onsets after `t` are removed, and contacts that ended after `t` continue. Bristles of open contacts are undeflected.
+    pub(crate) fn roll_back(&mut self, motion: &StepMotion, t: f64, onsets: &mut Onsets) {
+        let (model, at_end) = (motion.model, t == motion.adams.time());
+        for k in 0..self.memory.len() {
+            let touch = self.touches[k];
+            let before = motion.memory_at_start[k];
+            let remembers = self.memory[k].speed > 0.0;
+            if touch.contact.penetration > 0.0 {
+                if !remembers && before.speed > 0.0 {
+                    self.memory[k] = before;
+                } else if !remembers {
+                    // A contact that began and ended within the step.
+                    let rate = touch.contact.penetration_rate;
+                    self.begin_contact(model, k, touch.piece, rate);
+                    self.note_place(k, touch.place);
+                    onsets.count += 1;
+                }
+                continue;
+            }
+            if remembers && before.speed <= 0.0 {
+                onsets.count = onsets.count.saturating_sub(1);
+            }
+            if !at_end {
+                self.memory[k] = before;
+            }
+            self.memory[k] = self.apart(k, model, motion.frames);
+            if let Some(bristle) = model.bristle_of_side[k] {
+                self.bristles.deflection[bristle] = 0.0;
+            }
+        }
+        if let Some(onsets) = &mut onsets.unreported {
+            onsets.retain(|onset| onset.time <= t);
+        }
     }
 }

@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::SQRT_2;
 
-use super::contact_state::CompiledContact;
+use super::compiled_contact::CompiledContact;
 use super::impact_memory::Touch;
 use super::outline::Place;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::model::MechanismModel;
 
 /// Gap of a circle below which it is near a profile, over its radius. No step carries a circle to the profile from a larger gap.
 /// From a smaller gap no step carries it farther than this length, and the path is screened for contacts.
@@ -88,32 +89,31 @@ impl MechanismDynamics {
         let forces = self.model.forces.iter().map(|force| force.longest_step(t));
         let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
         let bodies = &self.model.contact_bodies;
-        if bodies.stay_close(&self.frames, |body| self.rates_of(body), within) {
+        let (model, accelerations) = (&self.model, &self.accelerations);
+        let of_body = |body| model.accelerations_of(body, accelerations);
+        if bodies.stay_close(&self.frames, of_body, within) {
             return longest;
         }
         let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
         let times = contacts.map(|(contact, sides)| {
-            let touches = &self.touches[sides.clone()];
-            contact.free_time(&self.frames, self.rates_of_pair(contact), touches, within)
+            let touches = &self.contacts.touches[sides.clone()];
+            let of_pair = contact.accelerations_of_bodies(model, accelerations);
+            contact.free_time(&self.frames, of_pair, touches, within)
         });
         times.fold(longest, f64::min)
-    }
-
-    /// Return the accelerations of the two bodies of a contact.
-    pub(crate) fn rates_of_pair(&self, contact: &CompiledContact) -> [[f64; 3]; 2] {
-        [contact.a.body, contact.b.body].map(|body| self.rates_of(body))
-    }
-
-    /// Return the accelerations of a body; zero for a fixed body.
-    pub(crate) fn rates_of(&self, body: usize) -> [f64; 3] {
-        match self.model.first[body] {
-            None => [0.0; 3],
-            Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
-        }
     }
 }
 
 impl CompiledContact {
+    /// Return the accelerations of bodies a and b \[m/s², m/s², rad/s²\].
+    pub(crate) fn accelerations_of_bodies(
+        &self,
+        model: &MechanismModel,
+        accelerations: &[f64],
+    ) -> [[f64; 3]; 2] {
+        [self.a.body, self.b.body].map(|body| model.accelerations_of(body, accelerations))
+    }
+
     /// Return the time \[s\] in which the circle moves through its gap, or through [`FARTHEST`] radii if the gap is smaller.
     ///
     /// Speed and acceleration are relative to the profile. The time is infinite if it is clearly longer than `within` \[s\].

@@ -8,6 +8,8 @@ use crate::multibody::description::body::Frame;
 pub(crate) struct Loads {
     /// Force and torque about the centre of mass of each body \[N, N, N m\].
     pub(crate) on: Vec<[f64; 3]>,
+    /// Loads on the free coordinates, once all are summed.
+    pub(crate) free: Vec<f64>,
     /// Energy stored in springs and contacts \[J\].
     pub(crate) elastic: f64,
     /// Energy stored in bristles \[J\].
@@ -19,9 +21,10 @@ pub(crate) struct Loads {
 }
 
 impl Loads {
-    pub(crate) fn new(bodies: usize) -> Self {
+    pub(crate) fn new(bodies: usize, coordinates: usize) -> Self {
         Self {
             on: vec![[0.0; 3]; bodies],
+            free: vec![0.0; coordinates],
             ..Self::default()
         }
     }
@@ -45,5 +48,14 @@ impl Loads {
     /// Add a torque on a body \[N m\].
     pub(crate) fn twist(&mut self, body: usize, torque: f64) {
         self.on[body][2] += torque;
+    }
+
+    /// Copy the loads of all bodies that are not fixed. `first`: number of each body's first coordinate.
+    pub(crate) fn gather_free(&mut self, first: &[Option<usize>]) {
+        for (load, first) in self.on.iter().zip(first) {
+            if let Some(i) = *first {
+                self.free[i..i + 3].copy_from_slice(load);
+            }
+        }
     }
 }

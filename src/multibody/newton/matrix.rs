@@ -11,18 +11,16 @@
 //! contact that fades out is omitted.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
 
 use super::sparse_system::{PairPlaces, Pattern, RowPlaces, Saddle};
 use crate::integrator::{OdeSystem, SPEED_PER_LENGTH, SecondOrderSystem};
-use crate::multibody::constraints::relative_kinematics::{Block, Pair, PairForce, PairTorque};
+use crate::multibody::constraints::relative_kinematics::{Block, Pair};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
-use crate::multibody::contact::contact_state::CompiledContact;
-use crate::multibody::contact::impact_memory::Touch;
 use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::model::MechanismModel;
 
 /// Change of a velocity for difference quotients \[m/s\]; that of an angular velocity is divided by its arm.
 const CHANGE: f64 = 1e-6;
@@ -51,32 +49,30 @@ pub(crate) struct ImplicitMatrix {
     by_differences: Option<LU<f64, Dyn, Dyn>>,
 }
 
-impl MechanismDynamics {
-    /// Write the length of each coordinate that scales it to metres: for angles, the distance of the farthest joint or contact point;
-    /// 1 without one.
-    fn lengths(&self, lengths: &mut [f64]) {
-        lengths.fill(1.0);
-        for angle in lengths.iter_mut().skip(2).step_by(3) {
-            *angle = 0.0;
-        }
-        let model = &self.model;
-        let joints = model.equations.iter().flat_map(|e| [e.a, e.b]);
-        let contacts = model.contacts.iter().flat_map(|c| [c.a, c.b]);
-        for end in joints.chain(contacts) {
-            if let Some(first) = model.first[end.body] {
-                lengths[first + 2] = end.point.norm().max(lengths[first + 2]);
-            }
-        }
-        for angle in lengths.iter_mut().skip(2).step_by(3) {
-            if *angle == 0.0 {
-                *angle = 1.0;
-            }
+/// Write the length of each coordinate that scales it to metres: for angles, the distance of the farthest joint or contact point;
+/// 1 without one.
+fn write_lengths(model: &MechanismModel, lengths: &mut [f64]) {
+    lengths.fill(1.0);
+    for angle in lengths.iter_mut().skip(2).step_by(3) {
+        *angle = 0.0;
+    }
+    let joints = model.equations.iter().flat_map(|e| [e.a, e.b]);
+    let contacts = model.contacts.iter().flat_map(|c| [c.a, c.b]);
+    for end in joints.chain(contacts) {
+        if let Some(first) = model.first[end.body] {
+            lengths[first + 2] = end.point.norm().max(lengths[first + 2]);
         }
     }
+    for angle in lengths.iter_mut().skip(2).step_by(3) {
+        if *angle == 0.0 {
+            *angle = 1.0;
+        }
+    }
+}
 
+impl ImplicitMatrix {
     /// Return the zero matrix with the places of all forces, contacts and joints.
-    fn implicit_matrix(&self) -> Box<ImplicitMatrix> {
-        let model = &self.model;
+    fn new(model: &MechanismModel) -> Self {
         let n = model.coordinates();
         let mut pattern = Pattern::new(&model.first, n, &model.equations_of_joint);
         let pairs = || {
@@ -98,87 +94,70 @@ impl MechanismDynamics {
             let pair = pattern.pair_places(&saddle, e.a.body, e.b.body);
             (pair, pattern.row_places(&saddle, i, bodies))
         });
-        Box::new(ImplicitMatrix {
+        Self {
             joints: joints.collect(),
             forces,
             contacts,
             by_differences: None,
             saddle,
-        })
+        }
     }
 
-    /// Assemble and factorise the matrix at the last evaluation; return whether it is regular.
-    fn linearise(&self, matrix: &mut ImplicitMatrix, gamma: f64) -> bool {
-        let model = &self.model;
+    /// Add the inertia, and the derivatives of the forces and contacts.
+    fn add_forces(&mut self, dynamics: &MechanismDynamics, gamma: f64) {
+        let (model, frames) = (&*dynamics.model, &dynamics.frames);
         let (by_velocity, by_place) = (-gamma, -gamma * gamma);
-        matrix.saddle.clear();
         for (k, mass) in model.mass.iter().enumerate() {
-            matrix.saddle.add_diagonal(k, *mass);
+            self.saddle.add_diagonal(k, *mass);
         }
-        for (force, places) in model.forces.iter().zip(&matrix.forces) {
+        let time = dynamics.corrector.time;
+        for (force, places) in model.forces.iter().zip(&self.forces) {
             let mut block = Block::default();
-            force.add_slopes(self.time, &self.frames, by_velocity, by_place, &mut block);
-            matrix.saddle.add_pair(places, &block);
+            force.add_slopes(time, frames, by_velocity, by_place, &mut block);
+            self.saddle.add_pair(places, &block);
         }
-        let contacts = model.contacts.iter().zip(&model.sides_of_contact);
-        for ((contact, sides), places) in contacts.zip(&matrix.contacts) {
-            let touches = &self.touches[sides.clone()];
-            // Contacts without penetration and film exert no force.
-            let apart = |touch: &Touch| touch.contact.penetration <= 0.0;
-            if contact.film.is_none() && touches.iter().all(apart) {
+        for (k, (contact, places)) in model.contacts.iter().zip(&self.contacts).enumerate() {
+            if !dynamics.contacts.has_force(model, k) {
                 continue;
             }
-            let pair = Pair::new(contact.a, contact.b, &self.frames, true);
+            let pair = Pair::new(contact.a, contact.b, frames, true);
             let mut block = Block::default();
-            contact.slopes(&self.frames, &self.memory[sides.clone()], |_, force| {
-                pair.add(force, by_velocity, by_place, &mut block);
-            });
-            self.tangential_slopes(contact, sides, |force, torque| {
-                pair.add(force, by_velocity, by_place, &mut block);
-                pair.add_torque(torque, by_velocity, by_place, &mut block);
-            });
-            matrix.saddle.add_pair(places, &block);
-        }
-        self.linearise_joints(matrix, gamma);
-        self.linearise_pins(matrix, gamma);
-        matrix.saddle.factorise()
-    }
-
-    /// Call `visit` with the derivatives of the friction of each side of a contact, and with those of its film.
-    fn tangential_slopes(
-        &self,
-        contact: &CompiledContact,
-        sides: &Range<usize>,
-        mut visit: impl FnMut(&PairForce, &PairTorque),
-    ) {
-        if let Some(law) = &contact.friction {
-            let memory = &self.memory[sides.clone()];
-            for k in sides.clone().filter(|&k| self.touches[k].force > 0.0) {
-                let mut push = PairForce::default();
-                contact.slopes(&self.frames, memory, |side, part| {
-                    if sides.start + side == k {
-                        push.add(part);
+            dynamics
+                .contacts
+                .visit_slopes(model, frames, k, |force, torque| {
+                    pair.add(force, by_velocity, by_place, &mut block);
+                    if let Some(torque) = torque {
+                        pair.add_torque(torque, by_velocity, by_place, &mut block);
                     }
                 });
-                let bent = self.model.bristle_of_side[k].map(|i| self.bristles.bent(i));
-                let (force, torque) = contact.friction_slopes(law, &self.frames, &push, bent);
-                visit(&force, &torque);
-            }
+            self.saddle.add_pair(places, &block);
         }
-        if let Some(film) = &contact.film {
-            let (force, torque) = contact.film_slopes(film, &self.frames);
-            visit(&force, &torque);
-        }
+    }
+}
+
+impl MechanismDynamics {
+    /// Assemble and factorise the matrix at the last evaluation; return whether it is regular.
+    fn linearise(&self, matrix: &mut ImplicitMatrix, gamma: f64) -> bool {
+        matrix.saddle.clear();
+        matrix.add_forces(self, gamma);
+        matrix.add_joints(self, gamma);
+        matrix.add_pins(
+            &self.model,
+            &self.frames,
+            &self.constraints.multipliers,
+            gamma,
+        );
+        matrix.saddle.factorise()
     }
 
     /// Return the factors of the dense matrix by central differences of whole evaluations at `y`, the state of the last evaluation.
     fn matrix_by_differences(&mut self, y: &[f64], gamma: f64) -> LU<f64, Dyn, Dyn> {
         let n = self.model.coordinates();
         let mut lengths = vec![1.0; n];
-        self.lengths(&mut lengths);
-        let mut state = vec![0.0; 2 * n];
-        self.read(y, &mut state);
-        self.add_shift(self.time, &mut state);
+        write_lengths(&self.model, &mut lengths);
+        let (t, mut state) = (self.corrector.time, vec![0.0; 2 * n]);
+        (self.contacts.bristles).read(&self.model, y, &mut state);
+        self.shift.add(t, &mut state);
         let mut matrix = DMatrix::identity(n, n);
         for i in 0..n {
             let change = CHANGE / lengths[i];
@@ -187,7 +166,7 @@ impl MechanismDynamics {
             let mut at = |sign: f64| {
                 state[i] = kept.0 + sign * gamma * change;
                 state[n + i] = kept.1 + sign * change;
-                self.evaluate(self.time, &state);
+                self.evaluate(t, &state);
                 self.accelerations.clone()
             };
             let (up, down) = (at(1.0), at(-1.0));
@@ -206,16 +185,17 @@ impl SecondOrderSystem for MechanismDynamics {
     }
 
     fn accelerations_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.begin_stage();
+        let multipliers = &mut self.constraints.multipliers;
+        (self.corrector).begin_stage(multipliers, &mut self.accelerations);
         self.derivative(t, y, dydt);
     }
 
     fn stiffness_residual(&self) -> Option<&[f64]> {
-        self.corrected_residual()
+        self.corrector.stage.corrected_residual()
     }
 
     fn correct_sum_rates(&self, rates: &mut [f64]) {
-        if self.stage.active {
+        if self.corrector.stage.active {
             rates.copy_from_slice(&self.powers());
         }
     }
@@ -225,12 +205,12 @@ impl SecondOrderSystem for MechanismDynamics {
     }
 
     fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
-        self.stage.active &= step.is_some();
-        self.bristles.begin_implicit_stage(step);
+        self.corrector.stage.active &= step.is_some();
+        self.contacts.bristles.begin_implicit_stage(step);
     }
 
     fn write_local_solution(&self, velocities: &mut [f64]) {
-        velocities.copy_from_slice(&self.bristles.deflection);
+        velocities.copy_from_slice(&self.contacts.bristles.deflection);
     }
 
     fn oscillates_at_order_two(&self) -> bool {
@@ -242,30 +222,27 @@ impl SecondOrderSystem for MechanismDynamics {
 
     fn contraction_safety_factor(&self) -> f64 {
         let by_differences = |matrix: &ImplicitMatrix| matrix.by_differences.is_some();
-        let is_exact = !self.corrector.as_deref().is_some_and(by_differences);
+        let is_exact = !self.corrector.matrix.as_deref().is_some_and(by_differences);
         // Corrections of bristles and of dependent constraints contract at another rate in each step.
-        let varies = self.model.bristles > 0 || self.rank < self.rows.len();
+        let varies = self.model.bristles > 0 || self.constraints.rank < self.constraints.rows.len();
         if !is_exact || varies || self.oscillates_at_order_two() {
             return f64::INFINITY;
         }
-        // A side with a memory was in contact at the start of the step.
-        let changed = (self.model.sides_of_contact.iter())
-            .zip(&self.near)
-            .flat_map(|(sides, &near)| if near { sides.clone() } else { 0..0 })
-            .any(|k| (self.memory[k].speed > 0.0) != (self.touches[k].contact.penetration > 0.0));
-        if changed { WHERE_CHANGED } else { 1.0 }
+        if self.contacts.changed(&self.model) {
+            WHERE_CHANGED
+        } else {
+            1.0
+        }
     }
 
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
-        let taken = self.corrector.take();
-        let mut matrix = taken.unwrap_or_else(|| self.implicit_matrix());
-        let nearness = self
-            .kkt
-            .as_ref()
-            .map_or(f64::INFINITY, SparseKkt::independence);
+        let taken = self.corrector.matrix.take();
+        let mut matrix = taken.unwrap_or_else(|| Box::new(ImplicitMatrix::new(&self.model)));
+        let kkt = self.constraints.kkt.as_ref();
+        let nearness = kkt.map_or(f64::INFINITY, SparseKkt::independence);
         // Near a singular position the accelerations are interpolated, and the sparse matrix of one state does not apply.
-        let singular = !self.stage.active && nearness < self.near_singular;
-        self.stage.gamma = gamma;
+        let singular = !self.corrector.stage.active && nearness < self.constraints.near_singular;
+        self.corrector.stage.gamma = gamma;
         let regular = if singular && self.model.coordinates() <= MOST_BY_DIFFERENCES {
             let factors = self.matrix_by_differences(y, gamma);
             let regular = factors.is_invertible();
@@ -275,7 +252,7 @@ impl SecondOrderSystem for MechanismDynamics {
             matrix.by_differences = None;
             self.linearise(&mut matrix, gamma)
         };
-        self.corrector = Some(matrix);
+        self.corrector.matrix = Some(matrix);
         regular
     }
 
@@ -284,42 +261,48 @@ impl SecondOrderSystem for MechanismDynamics {
         // Bristle deflections are local unknowns: each evaluation solves for them.
         let (residual, bristles) = residual.split_at_mut(n);
         bristles.fill(0.0);
-        let Some(mut matrix) = self.corrector.take() else {
+        let Some(mut matrix) = self.corrector.matrix.take() else {
             return;
         };
         if let Some(factors) = &matrix.by_differences {
             if !factors.solve_mut(&mut DVectorViewMut::from_slice(residual, n)) {
                 residual.fill(f64::NAN);
             }
-            self.corrector = Some(matrix);
+            self.corrector.matrix = Some(matrix);
             return;
         }
-        let model = Arc::clone(&self.model);
+        let model = &*self.model;
         // Right-hand sides M r and G r of the module's equations.
         let saddle = &mut matrix.saddle;
         for (k, (r, mass)) in residual.iter().zip(&model.mass).enumerate() {
             saddle.set_right(k, mass * r);
         }
-        for (i, row) in self.rows.iter().enumerate() {
+        for (i, row) in self.constraints.rows.iter().enumerate() {
             let mut along = 0.0;
             for (body, part) in row.bodies.iter().zip(&row.jacobian) {
                 if let Some(first) = model.first[*body] {
                     along += (0..3).map(|k| part[k] * residual[first + k]).sum::<f64>();
                 }
             }
-            saddle.set_right(n + i, along + self.lack(i));
+            saddle.set_right(
+                n + i,
+                along + self.corrector.stage.lack(&self.constraints, i),
+            );
         }
         saddle.solve();
-        self.correct_reactions(residual, |i| saddle.solution(n + i));
+        let (constraints, accelerations) = (&mut self.constraints, &mut self.accelerations);
+        let change = |i| saddle.solution(n + i);
+        let stage = &mut self.corrector.stage;
+        stage.correct_reactions(constraints, accelerations, residual, change);
         for (k, correction) in residual.iter_mut().enumerate() {
             *correction = saddle.solution(k);
         }
-        self.corrector = Some(matrix);
+        self.corrector.matrix = Some(matrix);
     }
 
     fn scale(&self, lengths: &mut [f64]) {
         let (bodies, bristles) = lengths.split_at_mut(self.model.coordinates());
-        self.lengths(bodies);
+        write_lengths(&self.model, bodies);
         let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
         for (contact, sides) in contacts {
             if let Some(FrictionLaw::LuGre(law)) = &contact.friction {

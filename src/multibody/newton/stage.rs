@@ -6,7 +6,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::multibody::dynamics::{MechanismDynamics, Stabilisation};
+use super::matrix::ImplicitMatrix;
+use crate::multibody::constraints::constraint_state::ConstraintState;
+use crate::multibody::description::body::Frame;
+use crate::multibody::dynamics::Stabilisation;
+use crate::multibody::model::MechanismModel;
 
 /// Independence of the constraints, over the near-singular threshold, from which on multipliers are solved for by Newton's method.
 ///
@@ -63,13 +67,64 @@ impl StepReactions {
         !self.regular
             || self.multipliers.len() == constraints && self.accelerations.len() == coordinates
     }
+
+    /// Keep the reactions of the step that was just made, after its projection, which has `measured` the independence of the
+    /// constraints. `turned`: largest rotation of a body in the step \[rad\].
+    pub(crate) fn keep(
+        &mut self,
+        constraints: &ConstraintState,
+        accelerations: &[f64],
+        turned: f64,
+        measured: bool,
+    ) {
+        // No singular position may be reached before the next measurement.
+        let reached = TURNED.max(GROWTH * turned);
+        let least = WELL_CONDITIONED * constraints.near_singular + reached;
+        let count = constraints.rows.len();
+        let independent = constraints
+            .kkt
+            .as_ref()
+            .is_some_and(|kkt| kkt.rank() == count && kkt.independence() > least);
+        let regular = if measured { independent } else { self.regular };
+        self.multipliers.clone_from(&constraints.multipliers);
+        self.accelerations.clear();
+        self.accelerations.extend_from_slice(accelerations);
+        // The friction of pins depends on the reactions themselves.
+        self.regular = regular
+            && constraints.pin_torques.values.is_empty()
+            && constraints.stabilisation == Stabilisation::Projection;
+    }
 }
 
-impl MechanismDynamics {
+/// Return the largest rotation of a body in a step of `length` \[s\].
+pub(crate) fn largest_rotation(frames: &[Frame], length: f64) -> f64 {
+    let spins = frames.iter().map(|frame| frame.spin.abs());
+    length * spins.fold(0.0, f64::max)
+}
+
+/// Return whether the independence of the constraints is to be measured at the end of the last step, of `length` \[s\] and with this
+/// number.
+pub(crate) fn is_nearness_due(frames: &[Frame], length: f64, number: u64) -> bool {
+    let seldom = largest_rotation(frames, length) * STEPS_PER_CHECK as f64 <= TURNED;
+    !seldom || number.is_multiple_of(STEPS_PER_CHECK)
+}
+
+/// Matrix and stage of the implicit corrector, and the reactions that it begins from.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ImplicitCorrector {
+    /// Time of the last derivative \[s\].
+    pub(crate) time: f64,
+    /// Matrix, once it is used.
+    pub(super) matrix: Option<Box<ImplicitMatrix>>,
+    pub(crate) stage: Stage,
+    pub(crate) reactions: StepReactions,
+}
+
+impl ImplicitCorrector {
     /// Add to `change` the solution x of A x + Gᵀ μ = 0, G x = -`residual` with the matrix A of the last implicit step.
     pub(crate) fn correct_constraints(&mut self, residual: &[f64], change: &mut [f64]) {
         let n = change.len();
-        let Some(matrix) = &mut self.corrector else {
+        let Some(matrix) = &mut self.matrix else {
             return;
         };
         let saddle = &mut matrix.saddle;
@@ -83,97 +138,68 @@ impl MechanismDynamics {
         }
     }
 
-    /// Return the largest rotation of a body in the last step, of `length` \[s\].
-    fn turned(&self, length: f64) -> f64 {
-        let spins = self.frames.iter().map(|frame| frame.spin.abs());
-        length * spins.fold(0.0, f64::max)
-    }
-
-    /// Return whether the independence of the constraints is to be measured at the end of the last step, of `length` \[s\] and with this
-    /// number.
-    pub(crate) fn is_nearness_due(&self, length: f64, number: u64) -> bool {
-        let seldom = self.turned(length) * STEPS_PER_CHECK as f64 <= TURNED;
-        !seldom || number.is_multiple_of(STEPS_PER_CHECK)
-    }
-
-    /// Keep the reactions of the step that was just made, of `length` \[s\], after its projection, which has `measured` the independence of
-    /// the constraints.
-    pub(crate) fn keep_reactions(&mut self, length: f64, measured: bool) {
-        // No singular position may be reached before the next measurement.
-        let reached = TURNED.max(GROWTH * self.turned(length));
-        let least = WELL_CONDITIONED * self.near_singular + reached;
-        let independent = self
-            .kkt
-            .as_ref()
-            .is_some_and(|kkt| kkt.rank() == self.rows.len() && kkt.independence() > least);
-        let regular = if measured {
-            independent
-        } else {
-            self.reactions.regular
-        };
-        let kept = &mut self.reactions;
-        kept.multipliers.clone_from(&self.multipliers);
-        kept.accelerations.clone_from(&self.accelerations);
-        // The friction of pins depends on the reactions themselves.
-        kept.regular = regular
-            && self.model.pins.is_empty()
-            && self.stabilisation == Stabilisation::Projection;
-    }
-
-    /// Begin the first evaluation of an implicit step.
-    pub(super) fn begin_stage(&mut self) {
+    /// Begin the first evaluation of an implicit step. It begins from the reactions kept: reports have evaluated other states since.
+    pub(super) fn begin_stage(&mut self, multipliers: &mut [f64], accelerations: &mut [f64]) {
         self.stage.active = self.reactions.regular;
         if self.stage.active {
-            // Reports have evaluated other states since.
-            self.multipliers
-                .copy_from_slice(&self.reactions.multipliers);
-            self.accelerations
-                .copy_from_slice(&self.reactions.accelerations);
+            multipliers.copy_from_slice(&self.reactions.multipliers);
+            accelerations.copy_from_slice(&self.reactions.accelerations);
         }
     }
 
-    /// Compute the accelerations by the multipliers given.
-    pub(crate) fn accelerate_with_reactions(&mut self) {
-        let Some(kkt) = &self.kkt else { return };
+    /// Compute the accelerations by the multipliers given, from the loads on the free coordinates.
+    pub(crate) fn accelerate(
+        &mut self,
+        model: &MechanismModel,
+        constraints: &ConstraintState,
+        loads: &[f64],
+    ) {
+        let Some(kkt) = &constraints.kkt else { return };
         let trial = &mut self.stage.trial;
         trial.clear();
-        trial.extend(self.forces.iter().zip(&self.model.mass).map(|(f, m)| f / m));
-        kkt.push(&self.rows, -1.0, |i| self.multipliers[i], trial);
+        trial.extend(loads.iter().zip(&model.mass).map(|(f, m)| f / m));
+        let multipliers = &constraints.multipliers;
+        kkt.push(&constraints.rows, -1.0, |i| multipliers[i], trial);
     }
+}
 
+impl Stage {
     /// Return what the accelerations of the evaluation lack to satisfy constraint `i`, times the factor of the corrector.
-    pub(super) fn lack(&self, i: usize) -> f64 {
-        if !self.stage.active {
+    pub(super) fn lack(&self, constraints: &ConstraintState, i: usize) -> f64 {
+        if !self.active {
             return 0.0;
         }
-        let row = &self.rows[i];
-        let along = self
-            .kkt
-            .as_ref()
-            .map_or(0.0, |kkt| kkt.along(row, &self.stage.trial));
-        self.stage.gamma * (row.gamma - along)
+        let row = &constraints.rows[i];
+        let kkt = constraints.kkt.as_ref();
+        let along = kkt.map_or(0.0, |kkt| kkt.along(row, &self.trial));
+        self.gamma * (row.gamma - along)
     }
 
     /// Correct multipliers and accelerations by the solution `change` of the linear system, and `residual` to that with the corrected
     /// multipliers.
-    pub(super) fn correct_reactions(&mut self, residual: &[f64], change: impl Fn(usize) -> f64) {
-        let Some(kkt) = self.kkt.as_ref().filter(|_| self.stage.active) else {
+    pub(super) fn correct_reactions(
+        &mut self,
+        constraints: &mut ConstraintState,
+        accelerations: &mut [f64],
+        residual: &[f64],
+        change: impl Fn(usize) -> f64,
+    ) {
+        let Some(kkt) = constraints.kkt.as_ref().filter(|_| self.active) else {
             return;
         };
-        let stage = &mut self.stage;
-        stage.residual.clear();
-        stage.residual.extend_from_slice(residual);
-        kkt.push(&self.rows, -1.0, &change, &mut stage.residual);
-        self.accelerations.copy_from_slice(&stage.trial);
-        let part = 1.0 / stage.gamma;
-        kkt.push(&self.rows, -part, &change, &mut self.accelerations);
-        for (i, lambda) in self.multipliers.iter_mut().enumerate() {
+        self.residual.clear();
+        self.residual.extend_from_slice(residual);
+        kkt.push(&constraints.rows, -1.0, &change, &mut self.residual);
+        accelerations.copy_from_slice(&self.trial);
+        let part = 1.0 / self.gamma;
+        kkt.push(&constraints.rows, -part, &change, accelerations);
+        for (i, lambda) in constraints.multipliers.iter_mut().enumerate() {
             *lambda += part * change(i);
         }
     }
 
     /// Return the residual of the velocities with the corrected multipliers; `None` where evaluations solve for the multipliers.
     pub(super) fn corrected_residual(&self) -> Option<&[f64]> {
-        self.stage.active.then_some(&self.stage.residual[..])
+        self.active.then_some(&self.residual[..])
     }
 }

@@ -5,7 +5,7 @@
 //! Accelerations are therefore evaluated at positions ahead and behind along the motion, each projected onto the constraints. The
 //! result is the value of the even interpolating polynomial.
 
-use crate::multibody::assembly::projection::AtHand;
+use crate::multibody::assembly::projection::{AtHand, Projector};
 use crate::multibody::dynamics::MechanismDynamics;
 
 /// Distance between the interpolation points: rotation of the fastest body \[rad\].
@@ -31,25 +31,35 @@ impl MechanismDynamics {
     /// Return false when nothing rotates or an interpolation point cannot be projected.
     pub(crate) fn accelerate_across(&mut self, t: f64) -> bool {
         let here = self.frames.clone();
-        let start = self.read_state();
+        let start = self.model.read_state(&here);
         let mut accelerations = vec![0.0; start.len() / 2];
-        let mut multipliers = vec![0.0; self.rows.len()];
-        let reached = self.on_both_sides(t, &start, |dynamics, t, _, weight| {
-            let reached = dynamics.accelerate_here(t);
-            add(&mut accelerations, weight, &dynamics.accelerations);
-            add(&mut multipliers, weight, &dynamics.multipliers);
+        let mut multipliers = vec![0.0; self.constraints.rows.len()];
+        let (loads, found) = (&self.loads.free, &mut self.accelerations);
+        let mut projector = Projector {
+            model: &self.model,
+            frames: &mut self.frames,
+            constraints: &mut self.constraints,
+            corrector: &mut self.corrector,
+        };
+        let reached = projector.on_both_sides(t, &start, |projector, t, _, weight| {
+            let reached = projector.accelerate_here(t, loads, found);
+            add(&mut accelerations, weight, found);
+            add(&mut multipliers, weight, &projector.constraints.multipliers);
             reached
         });
         self.frames = here;
-        self.find_rows(t);
-        self.factorise_whole();
+        let constraints = &mut self.constraints;
+        constraints.find_rows(&self.model, t, &self.frames);
+        constraints.factorise_whole();
         if reached {
             self.accelerations.copy_from_slice(&accelerations);
-            self.multipliers.copy_from_slice(&multipliers);
+            constraints.multipliers.copy_from_slice(&multipliers);
         }
         reached
     }
+}
 
+impl Projector<'_> {
     /// Replace `state` by its interpolation across a singular position. Return false, with `state` unchanged, when it fails.
     pub(crate) fn project_across(&mut self, t: f64, state: &mut [f64]) -> bool {
         let mut sum = vec![0.0; state.len()];
@@ -60,8 +70,7 @@ impl MechanismDynamics {
         if reached {
             state.copy_from_slice(&sum);
         }
-        self.place(state);
-        self.find_rows(t);
+        self.place(t, state);
         reached
     }
 
@@ -76,13 +85,13 @@ impl MechanismDynamics {
         mut visit: impl FnMut(&mut Self, f64, &[f64], f64) -> bool,
     ) -> bool {
         let n = state.len() / 2;
-        self.place(state);
+        self.model.place(self.frames, state);
         let spin = self.frames.iter().map(|f| f.spin.abs()).fold(0.0, f64::max);
         if !(spin > 0.0 && spin.is_finite()) {
             return false;
         }
         // No interpolation within the interpolation: the points are evaluated directly.
-        let aside = std::mem::replace(&mut self.aside, true);
+        let aside = std::mem::replace(&mut self.constraints.aside, true);
         let mut place = vec![0.0; 2 * n];
         let mut places = (1..=WEIGHTS.len()).flat_map(|k| [(k, -1.0), (k, 1.0)]);
         // Points at t ± k Δt with Δt = SPACING / ω, where ω is the largest angular velocity: q(t) ± k Δt v(t), before projection.
@@ -93,30 +102,17 @@ impl MechanismDynamics {
             self.project(t + delay, &mut place, ITERATIONS, AtHand::Nothing)
                 && visit(self, t + delay, &place, WEIGHTS[k - 1])
         });
-        self.aside = aside;
+        self.constraints.aside = aside;
         reached
     }
 
-    /// Return positions and velocities (q, then v) of the bodies that are not fixed.
-    pub(crate) fn read_state(&self) -> Vec<f64> {
-        let n = self.model.coordinates();
-        let mut state = vec![0.0; 2 * n];
-        for (frame, first) in self.frames.iter().zip(&self.model.first) {
-            if let Some(i) = *first {
-                state[i..i + 3].copy_from_slice(&[frame.origin.x, frame.origin.y, frame.angle]);
-                let velocity = [frame.velocity.x, frame.velocity.y, frame.spin];
-                state[n + i..n + i + 3].copy_from_slice(&velocity);
-            }
-        }
-        state
-    }
-
-    /// Solve for accelerations at a state just projected onto the constraints, with the loads of the last evaluation.
-    fn accelerate_here(&mut self, t: f64) -> bool {
+    /// Solve for accelerations at a state just projected onto the constraints, with the `loads` on the free coordinates.
+    fn accelerate_here(&mut self, t: f64, loads: &[f64], accelerations: &mut [f64]) -> bool {
         // γ depends on the velocities, which the projection has changed.
         self.find_rows(t);
-        self.factorise_whole();
-        self.solve_constrained()
+        self.constraints.factorise_whole();
+        self.constraints
+            .solve(self.model, self.frames, loads, accelerations)
     }
 }
 

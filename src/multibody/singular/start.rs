@@ -2,6 +2,7 @@
 
 use super::acceleration::nearness;
 use crate::multibody::assembly::projection::AtHand;
+use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::dynamics::MechanismDynamics;
 
 /// Independence of the constraints at the start below which nearby positions are examined.
@@ -25,23 +26,24 @@ impl MechanismDynamics {
     ///
     /// Return whether the start is singular, with branches of the motion that meet there, and all initial velocities are zero.
     pub(crate) fn look_beside(&mut self, state: &[f64]) -> bool {
-        let Some(kkt) = &self.kkt else {
+        let Some(kkt) = &self.constraints.kkt else {
             return false;
         };
         let (rank, independence) = (kkt.rank(), kkt.independence());
-        (self.rank, self.near_singular) = (rank, nearness(independence));
-        if rank == self.rows.len() && independence > NEAR {
+        let constraints = &mut self.constraints;
+        (constraints.rank, constraints.near_singular) = (rank, nearness(independence));
+        if rank == constraints.rows.len() && independence > NEAR {
             return false;
         }
         // Drivers advance by the same distance as the bodies.
-        let rates = self.rows.iter().map(|row| row.time_rate.abs());
+        let rates = self.constraints.rows.iter().map(|row| row.time_rate.abs());
         let fastest = rates.fold(0.0, f64::max);
         let delay = if fastest > 0.0 { BESIDE / fastest } else { 0.0 };
-        let (n, size) = (self.model.coordinates(), self.size());
-        let aside = std::mem::replace(&mut self.aside, true);
+        let (n, size) = (self.model.coordinates(), self.model.size(&self.frames));
+        let aside = std::mem::replace(&mut self.constraints.aside, true);
         let mut place = vec![0.0; state.len()];
         let mut change = vec![0.0; n];
-        let mut along = vec![0.0; self.rows.len()];
+        let mut along = vec![0.0; self.constraints.rows.len()];
         let mut found = (rank, false);
         for trial in 1..=TRIALS {
             // A deterministic displacement with different components in each trial.
@@ -51,8 +53,8 @@ impl MechanismDynamics {
             }
             // The displacement is made tangential to the constraints: with residuals, redundant constraints appear to be independent.
             self.evaluate(0.0, state);
-            self.along_rows(&change, &mut along);
-            if let Some(kkt) = &mut self.kkt {
+            (self.constraints).write_product(&self.model, &change, &mut along);
+            if let Some(kkt) = &mut self.constraints.kkt {
                 kkt.correct(&along, &mut change);
             }
             place.copy_from_slice(state);
@@ -60,33 +62,36 @@ impl MechanismDynamics {
                 *q += change;
             }
             // A constraint that is dependent at the start may have little independence nearby.
-            let near = self.near_singular;
+            let near = self.constraints.near_singular;
             let reached = [1.0, 0.1, 0.01].iter().any(|part| {
-                self.near_singular = part * near;
-                self.project(delay, &mut place, ITERATIONS, AtHand::Nothing)
+                self.constraints.near_singular = part * near;
+                (self.projector()).project(delay, &mut place, ITERATIONS, AtHand::Nothing)
             });
-            self.near_singular = near;
-            let Some(kkt) = self.kkt.as_mut().filter(|_| reached) else {
+            let constraints = &mut self.constraints;
+            constraints.near_singular = near;
+            let Some(kkt) = constraints.kkt.as_mut().filter(|_| reached) else {
                 continue;
             };
-            kkt.factorise(&self.rows, TOLD);
+            kkt.factorise(&constraints.rows, TOLD);
             let beside = kkt.independence();
             found.0 = found.0.max(kkt.rank());
             let grown = kkt.rank() == rank && beside > MORE * independence.max(NEAR);
             if grown {
-                self.near_singular = nearness(beside);
+                constraints.near_singular = nearness(beside);
             }
             found.1 |= kkt.rank() > rank || grown;
         }
-        self.aside = aside;
-        self.rank = found.0;
+        self.constraints.aside = aside;
+        self.constraints.rank = found.0;
         self.evaluate(0.0, state);
-        self.hold_by_what_holds_best();
+        self.constraints.hold_by_what_holds_best();
         self.evaluate(0.0, state);
         let given = (self.model.bodies.iter()).any(|body| body.velocity != [0.0; 3]);
         found.1 && !given
     }
+}
 
+impl ConstraintState {
     /// With redundant constraints, raise the near-singular threshold to the largest of [`HOLDS`] that keeps the rank.
     ///
     /// The set of constraints kept may then differ from those described first.
@@ -98,18 +103,6 @@ impl MechanismDynamics {
             });
             self.near_singular =
                 holds.map_or(self.near_singular, |part| part.max(self.near_singular));
-        }
-    }
-
-    /// Write the product G x, one number per constraint.
-    fn along_rows(&self, x: &[f64], along: &mut [f64]) {
-        for (sum, row) in along.iter_mut().zip(&self.rows) {
-            *sum = 0.0;
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = self.model.first[*body] {
-                    *sum += (0..3).map(|k| part[k] * x[first + k]).sum::<f64>();
-                }
-            }
         }
     }
 }

@@ -1,0 +1,107 @@
+//! State of all contacts of a mechanism: forces and penetrations of the last evaluation, impact velocity memory, bristles.
+
+use super::bristles::Bristles;
+use super::event_screening::ContactEnd;
+use super::impact_memory::{Memory, Touch};
+use crate::geometry::Vec2;
+use crate::multibody::description::body::Frame;
+use crate::multibody::forces::loads::Loads;
+use crate::multibody::model::MechanismModel;
+
+/// State of all contacts. The memory changes between steps only.
+#[derive(Debug, Clone)]
+pub(crate) struct ContactStates {
+    /// State of each side of each contact at the last evaluation.
+    pub(crate) touches: Vec<Touch>,
+    /// Memory of each side since its onset.
+    pub(crate) memory: Vec<Memory>,
+    /// Whether each contact is close enough to be evaluated; sides of others are not evaluated.
+    pub(crate) near: Vec<bool>,
+    /// Largest penetration of each contact that is near \[m\], and its rate \[m/s\]; an upper bound and zero for the others.
+    pub(crate) deepest: Vec<[f64; 2]>,
+    /// State of each contact at the start of the present step.
+    pub(crate) starts: Vec<ContactEnd>,
+    pub(crate) bristles: Bristles,
+}
+
+impl ContactStates {
+    /// Return the contacts of a model, without memory.
+    pub(crate) fn new(model: &MechanismModel) -> Self {
+        let (sides, contacts) = (model.sides.len(), model.contacts.len());
+        Self {
+            touches: vec![Touch::default(); sides],
+            memory: vec![Memory::default(); sides],
+            near: vec![true; contacts],
+            deepest: vec![[f64::NEG_INFINITY, 0.0]; contacts],
+            starts: vec![ContactEnd::FAR; contacts],
+            bristles: Bristles::new(model.bristles),
+        }
+    }
+
+    /// Evaluate all contacts and add their loads.
+    pub(crate) fn add_loads(
+        &mut self,
+        model: &MechanismModel,
+        frames: &[Frame],
+        loads: &mut Loads,
+    ) {
+        self.bristles.begin();
+        let contacts = model.contacts.iter().zip(&model.sides_of_contact);
+        let states = self.near.iter_mut().zip(&mut self.deepest);
+        for ((contact, sides), (near, deepest)) in contacts.zip(states) {
+            let touches = &mut self.touches[sides.clone()];
+            let apart = contact.apart_squared(frames);
+            let was_near = std::mem::replace(near, apart <= contact.reach * contact.reach);
+            if *near {
+                let memory = &self.memory[sides.clone()];
+                *deepest = contact.add(frames, memory, loads, touches);
+                if let Some(law) = &contact.friction {
+                    let numbers = &model.bristle_of_side[sides.clone()];
+                    let to = (&mut *loads, &mut *touches);
+                    contact.add_friction(law, frames, numbers, &mut self.bristles, to);
+                }
+                if let Some(film) = &contact.film {
+                    contact.add_film(film, frames, loads, &mut touches[0]);
+                }
+            } else {
+                *deepest = [contact.outer_depth(apart), 0.0];
+                if was_near {
+                    touches.fill(Touch::default());
+                }
+            }
+        }
+    }
+
+    /// Return the memory of a side without penetration: that the circle is behind an open outline, or none.
+    pub(crate) fn apart(&self, k: usize, model: &MechanismModel, frames: &[Frame]) -> Memory {
+        let (contact, side) = model.sides[k];
+        let contact = &model.contacts[contact];
+        let [fa, fb] = [contact.a.body, contact.b.body].map(|body| &frames[body]);
+        contact.apart(fa, fb, side, self.memory[k])
+    }
+
+    /// Return the force of each contact on its circle \[N\], with friction and film, summed over its sides.
+    pub(crate) fn pushes(&self, model: &MechanismModel) -> impl Iterator<Item = Vec2> {
+        let contacts = model.sides_of_contact.iter();
+        contacts.map(|sides| {
+            self.touches[sides.clone()]
+                .iter()
+                .map(|touch| touch.push + touch.friction)
+                .sum()
+        })
+    }
+
+    /// Return whether a contact began or ended since the start of the step: a side with a memory was in contact then.
+    pub(crate) fn changed(&self, model: &MechanismModel) -> bool {
+        (model.sides_of_contact.iter())
+            .zip(&self.near)
+            .flat_map(|(sides, &near)| if near { sides.clone() } else { 0..0 })
+            .any(|k| (self.memory[k].speed > 0.0) != (self.touches[k].contact.penetration > 0.0))
+    }
+
+    /// Return the bristles of all sides without contact at the last evaluation.
+    pub(crate) fn parted_bristles(&self, model: &MechanismModel) -> impl Iterator<Item = usize> {
+        let sides = self.touches.iter().zip(&model.bristle_of_side);
+        sides.filter_map(|(touch, bristle)| bristle.filter(|_| touch.contact.penetration <= 0.0))
+    }
+}
