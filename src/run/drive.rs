@@ -42,8 +42,8 @@ impl Simulation<Dynamics> {
         Ok(Self::of(dynamics, adams))
     }
 
-    /// Divide each section of a step into `fineness` panels of the energy quadrature, one by default. A step has one section, and one more
-    /// for each contact onset or end. The change of the result with `fineness` is the error of the quadrature.
+    /// Divide each step into `fineness` panels of the energy quadrature, a power of two. 0, the default: as many as the powers need, one to
+    /// four. The change of the result with `fineness` is the error of the quadrature.
     pub fn refine_meter(&mut self, fineness: usize) {
         self.system.refine_quadrature(fineness);
     }

@@ -28,15 +28,15 @@ fn metered(pretension: f64, variation: f64, fineness: usize) -> (f64, f64, u64, 
     )
 }
 
-/// Shares of the meter in the residual at fineness one and two, over several slightly different runs.
+/// Shares of the meter in the residual as it is and with four panels in each step, over several slightly different runs.
 fn assert_a_small_part_of_the_residual(pretension: f64) {
     let runs = 16;
     let (mut residuals, mut differences) = (0.0, [0.0; 2]);
     for i in 0..runs {
         let variation = 1.0 + 1e-3 * f64::from(i);
-        let [one, two, many] = [1, 2, 16].map(|fineness| metered(pretension, variation, fineness));
+        let [one, two, many] = [0, 4, 16].map(|fineness| metered(pretension, variation, fineness));
         assert_eq!(one.2, many.2, "the path does not know of the meter");
-        assert!(one.3 <= 5 * one.2, "{} {}", one.3, one.2);
+        assert!(10 * one.3 < 7 * two.3, "{} {}", one.3, two.3);
         residuals += many.0 * many.0;
         differences[0] += (one.0 - many.0).powi(2);
         differences[1] += (two.0 - many.0).powi(2);

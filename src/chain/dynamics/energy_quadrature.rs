@@ -30,25 +30,25 @@ impl StepEnds {
         }
     }
 
-    /// Takes `y` and its `slope` as the start of the next step.
+    /// Set `y` and its derivative `slope` as the start of the next step.
     pub(super) fn begin(&mut self, y: &[f64], slope: &[f64]) {
         self.y[..y.len()].copy_from_slice(y);
         self.slope[..slope.len()].copy_from_slice(slope);
     }
 
-    /// Makes a component of the start of the next step zero.
+    /// Set a component of the start of the next step to zero.
     pub(super) fn reset_component(&mut self, component: usize) {
         (self.y[component], self.slope[component]) = (0.0, 0.0);
     }
 
-    /// Takes where `adams` is as the end of the step.
+    /// Set the end of the step to the present state of `adams`.
     fn end(&mut self, adams: &Adams) {
         let y = adams.y();
         self.end[..y.len()].copy_from_slice(y);
         adams.write_slope(&mut self.end_slope[..y.len()]);
     }
 
-    /// The end of this step is the start of the next one.
+    /// Set the end of this step as the start of the next one.
     fn advance(&mut self) {
         std::mem::swap(&mut self.y, &mut self.end);
         std::mem::swap(&mut self.slope, &mut self.end_slope);
@@ -93,12 +93,12 @@ impl WithSimd for Between<'_> {
 }
 
 impl Dynamics {
-    /// Divides each section of a step into `fineness` panels from now on.
+    /// Divide each step into `fineness` panels from now on, a power of two; 0: as many as the powers need.
     pub(crate) fn refine_quadrature(&mut self, fineness: usize) {
         self.quadrature.refine(fineness);
     }
 
-    /// Keeps energy and lets its sums grow from the present state of `adams` on.
+    /// Switch the energy quadrature on; the sums start at the present state of `adams`.
     pub(super) fn begin_energy_quadrature(&mut self, adams: &Adams) {
         self.keep_energy(true);
         self.differentiate(adams.time(), adams.y());
@@ -106,7 +106,7 @@ impl Dynamics {
         self.resume_energy_quadrature(adams);
     }
 
-    /// Takes the present state of `adams` as the start of the next step, when energy is kept.
+    /// Set the present state of `adams` as the start of the next step, while energy is kept.
     pub(super) fn resume_energy_quadrature(&mut self, adams: &Adams) {
         if !self.keeps_energy {
         } else if !adams.is_starting() {
@@ -119,8 +119,11 @@ impl Dynamics {
         }
     }
 
-    /// Adds the energies of the step just made, when they are kept; call after [`Self::finish_step`] and after all that looks at
-    /// the contacts at the step's end, which are not the last ones evaluated any more.
+    /// Add the energies of the last step, while energy is kept. Call it last: it evaluates the right-hand side inside the step, so that the
+    /// contacts of the last evaluation are then not those of the step's end.
+    ///
+    /// [`Self::finish_step`] has stored new impact velocities: powers inside this step use them, the forces of the step used the present
+    /// rates.
     pub(super) fn add_energies_of_step(&mut self, adams: &Adams, step: &Step) {
         if !self.keeps_energy {
             return;
@@ -130,15 +133,13 @@ impl Dynamics {
         let mut slope = std::mem::take(&mut self.slope);
         self.ends.end(adams);
         let length = step.end - step.start;
-        // Contacts are many: where in the step one began or ended is not located for the quadrature.
-        let kinks: &[f64] = if self.kernels.changed() { &[0.5] } else { &[] };
         let coordinates = self.model.coordinates;
         if adams.evaluation_differs_from_solution() {
             self.accelerate(step.end, adams.y(), &mut slope[coordinates..]);
             quadrature.count_evaluation();
         }
         let at_end = self.powers;
-        quadrature.add_step(step, kinks, at_end, |part, t| {
+        quadrature.add_step(step, at_end, |part, t| {
             self.kernels.instructions().run(Between {
                 ends: &self.ends,
                 part,
