@@ -36,6 +36,13 @@ const CHANGE: [f64; 2] = [0.3, 2.0];
 /// Factors of the step size between which it is kept: equal steps keep their coefficients.
 const KEPT: [f64; 2] = [0.9, 1.15];
 
+/// Accepted steps after a rejected one before the step size may grow again.
+///
+/// The trapezoidal rule does not damp an overdamped contact: its error is small in every other step. A step that grew there was rejected
+/// next: 29 % of all steps of a motorcycle drive at 1e-9 m, 6 % with four steps. Twelve steps are too careful with Coulomb's friction,
+/// whose kinks are not alike.
+const STEPS_UNTIL_GROWTH: u32 = 4;
+
 /// Failures of one step after which the order is one, as with the explicit corrector.
 const FAILURES_TO_ORDER_ONE: u32 = 3;
 
@@ -141,7 +148,13 @@ impl Adams {
         self.next.order = order.max(max_order.min(A_STABLE));
         // Low orders follow the error; high orders keep equal steps for their coefficients.
         let size = if order <= A_STABLE {
-            low_order_step(h, order, error)
+            let size = low_order_step(h, order, error);
+            if self.next.steps_until_growth > 0 {
+                self.next.steps_until_growth -= 1;
+                size.min(h)
+            } else {
+                size
+            }
         } else {
             choose_step(h, order, error)
         };
@@ -193,6 +206,7 @@ impl Adams {
     ) -> Result<(), StepFailure> {
         self.counts.rejected += 1;
         self.next.growing = false;
+        self.next.steps_until_growth = STEPS_UNTIL_GROWTH;
         // Evaluations leave the rates of the coordinates out; a failure names its worst component from them.
         let vectors = &mut self.vectors;
         vectors.slope[..nq].copy_from_slice(&vectors.trial[nq..2 * nq]);

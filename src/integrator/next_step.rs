@@ -33,6 +33,8 @@ pub(super) struct NextStep {
     smallest: f64,
     /// Start phase: order and step size grow with every step as long as the solution is smooth.
     pub(super) growing: bool,
+    /// Number of accepted implicit steps until the step size may grow again.
+    pub(super) steps_until_growth: u32,
 }
 
 impl NextStep {
@@ -43,6 +45,7 @@ impl NextStep {
             longest: f64::INFINITY,
             smallest: 0.0,
             growing: true,
+            steps_until_growth: 0,
         }
     }
 
