@@ -28,6 +28,8 @@ def suggest(word: object, known: Iterable[str], main: Iterable[str] | None = Non
         return f"did you mean {folded[near[0]]!r}?"
     listed = list(map(repr, names if main is None else main))
     kept = listed[: max(_FEWEST, sum(length <= _LONGEST for length in _lengths(listed)))]
+    if not kept:
+        return "there is none"
     return f"known: {', '.join(kept)}{', ...' if len(kept) < len(listed) else ''}"
 
 

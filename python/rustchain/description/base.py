@@ -184,7 +184,13 @@ def _tagged(value: object) -> dict[str, object]:
     """Return the fields of a description beside the name of its type."""
     fields = fields_of(value)
     if fields is None:
-        msg = f"{shown(value)}: cannot be written as JSON; expected a description"
+        if callable(value):
+            msg = (
+                f"{shown(value)}: is a Python function, which files cannot hold; expected a "
+                "description, such as a Table; Simulation.state() keeps a state in memory"
+            )
+        else:
+            msg = f"{shown(value)}: cannot be written as JSON; expected a description"
         raise InvalidInput(msg)
     return {"type": type(value).__name__} | fields
 

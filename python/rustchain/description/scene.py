@@ -103,7 +103,10 @@ class Scene(Description):
         """The drive; raises `InvalidInput` where the scene has a mechanism."""
         if isinstance(self.system, ChainDrive):
             return self.system
-        msg = f"drive: {self.system!r} is no chain drive; expected a scene of a ChainDrive"
+        msg = (
+            f"drive: {self.system!r} is no chain drive: hinges, bushings, strands and sprockets "
+            "are of a ChainDrive only; a mechanism has body(name), joint(name) and contact(name)"
+        )
         raise InvalidInput(msg)
 
     @property

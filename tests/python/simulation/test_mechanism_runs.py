@@ -113,6 +113,35 @@ def test_a_state_that_was_changed_is_told_how_to_start_elsewhere():
         simulation.set_state(state)
 
 
+def test_a_state_is_saved_unless_a_function_acts_on_a_body(tmp_path):
+    simulation = ball()
+    simulation.step_to(0.01)
+    simulation.save_state(tmp_path / "ball.npz")
+    again = rc.Simulation.load_state(tmp_path / "ball.npz")
+    simulation.step_to(0.02)
+    again.step_to(0.02)
+    assert np.array_equal(again.positions, simulation.positions)
+
+    mechanism = rc.Mechanism()
+    mechanism.add_body("block", 1.0, 0.1)
+    mechanism.add_callable("load", "block", lambda t, q, v: (0.0, 0.0, 0.0))
+    simulation = rc.Simulation(mechanism)
+    with pytest.raises(rc.InvalidInput, match=r"is a Python function.*Simulation\.state"):
+        simulation.save_state(tmp_path / "block.npz")
+    simulation.set_state(simulation.state())
+
+
+def test_parts_that_a_mechanism_has_not_are_told_with_those_it_has(whole):
+    with pytest.raises(rc.InvalidInput, match=r"no chain drive: hinges, .* joint\(name\)"):
+        whole.hinge(3)
+    mechanism = rc.Mechanism()
+    mechanism.add_body("block", 1.0, 0.1)
+    mechanism.add_revolute("pin", "ground", "block")
+    result = rc.Simulation(mechanism).run(duration=1e-3, progress=False)
+    with pytest.raises(rc.NoSuchPart, match=r"'floor' is no contact; there is none"):
+        result.contact("floor")
+
+
 def test_a_file_that_is_no_result_is_told(tmp_path):
     path = tmp_path / "junk.nc"
     path.write_bytes(b"no netCDF")

@@ -29,7 +29,22 @@ class WithContacts:
         bore_point: Point = (0.0, 0.0),
         pin_point: Point = (0.0, 0.0),
     ) -> None:
-        """Add a pin of one body in a bore of another, with clearance [m]."""
+        """Add a pin of one body in a bore of another, with clearance.
+
+        Parameters
+        ----------
+        name : str
+            Name of the contact.
+        bore, pin : str
+            Names of the bodies that carry them; "ground" is the frame that does not move.
+        bore_radius, pin_radius : float
+            [m]; the difference is the clearance.
+        law : LinearContact, HuntCrossley or SurfaceContact
+            Contact law.
+        bore_point, pin_point : (float, float)
+            Centres of bore and pin in the frames of their bodies [m]; by default the centres of
+            mass. At the start their distance should be at most the clearance.
+        """
         points = {"bore_point": bore_point, "pin_point": pin_point}
         round_profile = {"profile_radius": bore_radius}
         self._touch("bore", name, (bore, pin), points, pin_radius, law, **round_profile)
@@ -45,7 +60,21 @@ class WithContacts:
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
     ) -> None:
-        """Let two discs touch from outside [m]."""
+        """Let two discs touch from outside.
+
+        Parameters
+        ----------
+        name : str
+            Name of the contact.
+        body_a, body_b : str
+            Names of the bodies that carry them.
+        radius_a, radius_b : float
+            Of the discs [m].
+        law : LinearContact, HuntCrossley or SurfaceContact
+            Contact law.
+        point_a, point_b : (float, float)
+            Centres of the discs in the frames of their bodies [m].
+        """
         points = {"point_a": point_a, "point_b": point_b}
         round_profile = {"profile_radius": radius_a}
         self._touch("disc", name, (body_a, body_b), points, radius_b, law, **round_profile)
@@ -103,7 +132,24 @@ class WithContacts:
         law: ContactLaw,
         circle_point: Point = (0.0, 0.0),
     ) -> None:
-        """Let a bushing of `chain` around a point of one body touch the teeth of another."""
+        """Let a bushing of `chain` around a point of one body touch the teeth of another.
+
+        Parameters
+        ----------
+        name : str
+            Name of the contact.
+        wheel, circle : str
+            Names of the bodies that carry the teeth and the bushing.
+        sprocket : Sprocket
+            Number and profile of the teeth.
+        chain : Chain
+            Its pitch and the radius of its bushings or rollers; length and material of the contact
+            are those of the law.
+        law : LinearContact, HuntCrossley or SurfaceContact
+            Contact law.
+        circle_point : (float, float)
+            Centre of the bushing in the frame of its body [m].
+        """
         for field, given, kind in (("sprocket", sprocket, Sprocket), ("chain", chain, Chain)):
             if not isinstance(given, kind):
                 msg = (

@@ -80,9 +80,11 @@ class SurfaceContact(Typed):
     law : ForceLaw
         With its friction and, in clearance joints, its film.
     length : float
-        Length of contact [m].
+        Length of contact along the axis of the cylinders [m], 0.01 m by default. The laws of Hertz
+        and of Lankarani and Nikravesh do not depend on it.
     material : Material
-        Of both surfaces; its restitution goes into the damping.
+        Of both surfaces, by default the published drive's steel; its restitution goes into the
+        damping.
     min_impact_velocity : float
         Lower bound on the initial impact velocity used by the damping factor [m/s].
     """
