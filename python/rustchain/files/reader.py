@@ -202,6 +202,12 @@ class Reader:
         name = tag_of(value, makers)
         if name is None:
             if "type" not in value:
+                known = {name: None for make in makers.values() for name in fields_of(make)}
+                unknown = [each for each in value if each not in known]
+                for each in unknown:
+                    self.refuse((*key, each), f"means nothing here; {suggest(each, known)}")
+                if unknown:
+                    return _WRONG
                 listed = " or ".join(f"type = {each!r}" for each in makers)
                 return self.refuse(key, f"its keys fit several types; expected one; add {listed}")
             given = value["type"]

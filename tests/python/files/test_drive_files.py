@@ -141,6 +141,8 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
         ("elongation = 0.002", "elongation = 0.5", 15, "Chain.elongation = 0.5: must be between"),
         ('"machine.csv"', '"mashine.csv"', 24, "motion.curve.file: 'mashine.csv': "),
         ("torque = 0.0", "torqe = 0.0", 24, "drive.sprockets[1].motion.torqe: means nothing"),
+        ("torque = 0.0, curve", "torqe = 0.0, curv", 24, "drive.sprockets[1].motion.curv: means"),
+        ("speed = [[0.0", "rpm = [[0.0", 19, "motion.rpm: means nothing here; known: 'speed', 'torque'"),
         ("[0.02, 12.566]", "[0.0, 12.566]", 19, "PrescribedSpeed.speed = 0 s after 0 s"),
         ("[simulation]", "[simulaton]", 32, "simulaton: means nothing here; did you mean"),
         ("accuracy = 1e-9", "accuracy = -1", 34, "Solver.accuracy = -1: must be a positive"),
