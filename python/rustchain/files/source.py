@@ -115,6 +115,6 @@ def _is_deeper(content: object, levels: int) -> bool:
 
 
 def name_of(key: Key) -> str:
-    """Return a key as it is written in a path: drive.sprockets[1].teeth."""
-    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in key)
-    return "".join(parts).removeprefix(".") or "the file"
+    """Return a key as ``--set`` has it, items counted from 1: drive.sprockets.2.teeth."""
+    parts = (str(part + 1) if isinstance(part, int) else part for part in key)
+    return ".".join(parts) or "the file"

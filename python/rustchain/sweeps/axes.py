@@ -219,15 +219,25 @@ def _replaced(part: Any, changes: Mapping[Path, Any], name: str) -> Any:  # noqa
         parts = {field.name: getattr(part, field.name) for field in fields}
     for head in below:
         if head not in parts:
-            kind = "None" if part is None else f"a {type(part).__name__}"
-            msg = f"{name}.{head}: cannot be changed, for {name} is {kind}"
-            raise InvalidInput(msg)
+            raise InvalidInput(f"{name}.{head}: {_why_not(part, name, head, parts)}")
     changed = {
         head: _replaced(parts[head], deeper, f"{name}.{head}") for head, deeper in below.items()
     }
     if isinstance(part, tuple):
         return tuple((parts | changed).values())
     return replace(part, **changed)
+
+
+def _why_not(part: object, name: str, head: str, parts: Mapping[str, object]) -> str:
+    """Return why `part`, called `name`, has no part `head` that can be changed."""
+    if isinstance(part, tuple) and part:
+        return f"does not exist; expected a number from 1 to {len(part)} after {name}"
+    if isinstance(part, tuple):
+        return f"does not exist, for {name} is empty"
+    if parts:
+        return f"does not exist; {suggest(head, parts)}"
+    kind = "None" if part is None else f"a {type(part).__name__}"
+    return f"cannot be changed, for {name} is {kind}"
 
 
 def _target(name: str) -> str:

@@ -105,6 +105,9 @@ def test_settings_take_the_place_of_what_a_file_says():
         ("chain.links=abc", "Chain.links = 'abc': must be a whole number"),
         ("start=statc", "start = 'statc': must be 'generated' or 'static'"),
         ("tensioner.damping=1", "cannot be changed, for drive.tensioner is None"),
+        ("sprockets.4.teeth=20", "sprockets.4: does not exist; expected a number from 1 to 2"),
+        ("guides.1.length=0.1", "guides.1: does not exist, for drive.guides is empty"),
+        ("sprockets.1.motion.torque=1", "motion.torque: does not exist; known: 'speed'"),
         ("record=[", "record = '[': is no value of TOML"),
     ],
 )

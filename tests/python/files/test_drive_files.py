@@ -130,19 +130,19 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "line", "text"),
     [
-        ("teeth = 25", "teeth = 3", 22, "drive.sprockets[1]: Sprocket.teeth = 3: must be between"),
-        ("teeth = 25", "teth = 25", 22, "drive.sprockets[1].teth: means nothing here; did you "),
-        ("teeth = 25", "teeth = '25'", 22, "drive.sprockets[1].teeth: '25': must be an integer"),
-        ("teeth = 25", "", 21, "drive.sprockets[1]: 'teeth' is missing"),
-        ('"outside"', '"outsde"', 30, "sprockets[2].side: 'outsde': must be 'inside' or 'outside'"),
+        ("teeth = 25", "teeth = 3", 22, "drive.sprockets.2: Sprocket.teeth = 3: must be between"),
+        ("teeth = 25", "teth = 25", 22, "drive.sprockets.2.teth: means nothing here; did you "),
+        ("teeth = 25", "teeth = '25'", 22, "drive.sprockets.2.teeth: '25': must be an integer"),
+        ("teeth = 25", "", 21, "drive.sprockets.2: 'teeth' is missing"),
+        ('"outside"', '"outsde"', 30, "sprockets.3.side: 'outsde': must be 'inside' or 'outside'"),
         ("[0.35, -0.05]", "[0.35]", 23, "Sprocket.center = (0.35,): must be two numbers"),
         ('"chain_drive"', '"chain_drve"', 7, "drive.type: 'chain_drve' is not known; did you mean"),
         ('"ANSI 40"', '"ANSI 41x"', 11, "'ANSI 41x' is not in the catalogue; did you mean"),
         ("elongation = 0.002", "elongation = 0.5", 15, "Chain.elongation = 0.5: must be between"),
         ('"machine.csv"', '"mashine.csv"', 24, "motion.curve.file: 'mashine.csv': "),
-        ("torque = 0.0", "torqe = 0.0", 24, "drive.sprockets[1].motion.torqe: means nothing"),
-        ("torque = 0.0, curve", "torqe = 0.0, curv", 24, "drive.sprockets[1].motion.curv: means"),
-        ("speed = [[0.0", "rpm = [[0.0", 19, "motion.rpm: means nothing here; known: 'speed', 'torque'"),
+        ("torque = 0.0", "torqe = 0.0", 24, "drive.sprockets.2.motion.torqe: means nothing"),
+        ("torque = 0.0, curve", "torqe = 0.0, curv", 24, "drive.sprockets.2.motion.curv: means"),
+        ("speed = [[0.0", "rpm = [[0.0", 19, "motion.rpm: means nothing here; known: 'speed'"),
         ("[0.02, 12.566]", "[0.0, 12.566]", 19, "PrescribedSpeed.speed = 0 s after 0 s"),
         ("[simulation]", "[simulaton]", 32, "simulaton: means nothing here; did you mean"),
         ("accuracy = 1e-9", "accuracy = -1", 34, "Solver.accuracy = -1: must be a positive"),
@@ -174,8 +174,8 @@ def test_three_mistakes_are_told_at_once_each_with_place_field_and_nearest_name(
     assert told[2].startswith(f"{line} 33, column 31: simulation.force_law.damping: 'flors'")
     assert told[2].endswith("'hu-guo' or 'zhiying-qishao'; did you mean 'flores'?")
     assert told == [
-        f"{line} 22, column 1: drive.sprockets[1].teth: means nothing here; did you mean 'teeth'?",
-        f"{line} 24, column 12: drive.sprockets[1].motion.torqe: means nothing here; "
+        f"{line} 22, column 1: drive.sprockets.2.teth: means nothing here; did you mean 'teeth'?",
+        f"{line} 24, column 12: drive.sprockets.2.motion.torqe: means nothing here; "
         "did you mean 'torque'?",
         told[2],
         f"{line} 38, column 1: run.report_stp: means nothing here; did you mean 'report_step'?",
@@ -414,7 +414,7 @@ DEEP = 5000
             SHORT + "type = ['a']",
             "line 5, column 1: drive.type: ['a'] is not known; known: 'ChainDrive'",
         ),
-        (SHORT + "[run]\nstop = [{type = {}}]", "run.stop[0].type: {} is not known"),
+        (SHORT + "[run]\nstop = [{type = {}}]", "run.stop.1.type: {} is not known"),
         (SHORT + f"[run]\nout = {DEEP}", f"run.out: {DEEP}: must be a text"),
     ],
 )
