@@ -160,9 +160,12 @@ def _tell(result: rc.Result, out: Path, output: Output) -> None:
         energy = result.energy
         # Zero without a sign.
         balance = {"dissipated": energy.dissipated[-1] + 0.0, "residual": energy.residual[-1] + 0.0}
+        share = ""
+        if balance["dissipated"] > 0.0:
+            share = f" ({100.0 * abs(balance['residual']) / balance['dissipated']:.2g} %)"
         output.say(
             f"energy: {balance['dissipated']:.3e} J dissipated, "
-            f"{balance['residual']:.1e} J energy balance residual"
+            f"{balance['residual']:.1e} J{share} energy balance residual"
         )
     output.say(f"{result.message}: {len(result.time)} rows in {out}")
     output.document(

@@ -74,7 +74,8 @@ class DriveReport(HtmlView):
     start_gap : float
         Smallest gap of all contacts at the start [m].
     tension_force : float
-        Full force of the tensioner on its sprocket [N].
+        Force of the tensioner on its sprocket after the ramp [N], with the sprocket where it is
+        described. Over a displacement s the force of a spring is less by ``stiffness`` times s.
     guide_gap : tuple of float
         Smallest distance of a bushing from each guide at the start [m], or of a plate where plates
         are in contact with it.

@@ -165,7 +165,7 @@ def _bar(total: float, description: str | None) -> AbstractContextManager[Bar]:
         tqdm = extras.auto.tqdm
     except MissingExtra:
         return nullcontext(_NoBar())
-    form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
+    form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s simulated [{elapsed}<{remaining}, {rate_noinv_fmt}]"
     bar: AbstractContextManager[Bar] = tqdm(
         desc=description, total=total, unit=" s", bar_format=form, disable=None
     )
