@@ -210,7 +210,7 @@ def by_gap(result: Result, sprocket: int, rows: slice) -> Forces:
     """Return the forces in each gap of a sprocket, (times, gaps).
 
     A bushing that is in no contact at a row counts, with what it met since the row before, where
-    it was last in contact, or where it is next.
+    it is in contact at the nearest row.
     """
     teeth = result.drive.sprockets[sprocket - 1].teeth
     nearest = nearest_contact(result)
@@ -229,9 +229,10 @@ def by_gap(result: Result, sprocket: int, rows: slice) -> Forces:
 
 
 def nearest_contact(result: Result) -> npt.NDArray[np.intp]:
-    """Return the row of each bushing's last contact, or of its next one, (times, bushings).
+    """Return the row, nearest in time, at which each bushing is in contact, (times, bushings).
 
-    Most impacts are over before the row that ends their interval. A bushing that no row found in
+    Most impacts are over before the row that ends their interval: that of an engagement belongs to
+    the next contact, that of a bushing that leaves to the last one. A bushing that no row found in
     contact has its own rows.
     """
     touching = result.array("tooth_sprocket") > 0
@@ -239,8 +240,10 @@ def nearest_contact(result: Result) -> npt.NDArray[np.intp]:
     last = np.maximum.accumulate(np.where(touching, row, -1), axis=0)
     coming = np.where(touching, row, len(touching))
     coming = np.minimum.accumulate(coming[::-1], axis=0)[::-1]
-    nearest = np.where(last >= 0, last, coming)
-    return np.where(nearest < len(touching), nearest, row)
+    since = np.where(last >= 0, row - last, len(touching))
+    until = coming - row  # at least 1 without contact; no next contact: past the end
+    nearest = np.where((since <= until) | (coming == len(touching)), last, coming)
+    return np.where(nearest >= 0, nearest, row)
 
 
 def check_sprocket(result: Result, number: object, argument: str = "sprocket") -> None:

@@ -12,6 +12,7 @@ import rustchain as rc
 from rustchain._rustchain import tooth_radii
 from rustchain.analysis import rainflow
 from rustchain.analysis.circuit import Belt, Circuit
+from rustchain.analysis.loads import nearest_contact
 from rustchain.analysis.pressure import half_width, line_pressure, surface_curvature
 
 GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
@@ -112,6 +113,20 @@ def test_a_load_that_follows_the_place_is_found_at_its_place(run):
     for found in (loads["mean"], loads["largest"], *loads["quantiles"].T):
         # Within a bin of a quarter pitch the function moves by less than 0.14 N.
         np.testing.assert_allclose(found, expected, atol=0.14, equal_nan=False)
+
+
+def test_an_impact_between_rows_belongs_to_the_contact_nearest_in_time():
+    """A bushing leaves sprocket 1, and touches sprocket 2 between two rows before it is seated."""
+
+    class History:
+        def array(self, name):
+            assert name == "tooth_sprocket"
+            return np.array([[1, 1, 0, 0, 0, 0, 0, 2, 2, 0], [0] * 10, [0] * 5 + [1] + [0] * 4]).T
+
+    first, never, once = nearest_contact(History()).T.tolist()
+    assert first == [0, 1, 1, 1, 1, 7, 7, 7, 8, 8]
+    assert never == list(range(10))
+    assert once == [5] * 10
 
 
 def test_tension_is_the_force_along_the_chain_in_the_strands(run):
