@@ -36,11 +36,18 @@ class LoadFigures(Figures):
                 continue
             for shift in (0, circuit.links):
                 axes.axvspan(section.begin + shift, section.end + shift, color=GREY, alpha=0.12)
-        for section in circuit.sections:
-            middle = 0.5 * (section.begin + section.end) % circuit.links
+        middles = [0.5 * (each.begin + each.end) % circuit.links for each in circuit.sections]
+        written = 0.0  # where the last name of the upper line ends
+        for middle, section in sorted(
+            zip(middles, circuit.sections, strict=True), key=lambda each: each[0]
+        ):
+            # A name of 110 characters would take the whole width.
+            half = 0.5 * len(section.name) * circuit.links / 110.0
+            upper = middle - half >= written
+            written = middle + half if upper else written
             axes.text(
-                middle, 0.99, section.name, ha="center", va="top", fontsize=7.5, color=GREY,
-                transform=axes.get_xaxis_transform(),
+                middle, 0.99 if upper else 0.93, section.name, ha="center", va="top",
+                fontsize=7.5, color=GREY, transform=axes.get_xaxis_transform(),
             )  # fmt: skip
         axes.set(xlim=(0.0, circuit.links), ylim=(0.0, None))
         axes.set(xlabel="position along the chain path [pitches]", ylabel="hinge force [N]")
@@ -147,7 +154,7 @@ class LoadFigures(Figures):
         figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 3.0), width_ratios=(1.4, 1.0))
         pressure = 1e-6 * found["peak_pressure"]
         time = found["time"]
-        left.plot(time, pressure.max(part), color=RED, linewidth=0.5, label="hardest pressed")
+        left.plot(time, pressure.max(part), color=RED, linewidth=0.5, label="largest of all")
         left.plot(time, pressure.mean(part), color=BLUE, linewidth=0.6, label="mean of all")
         left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
         legend_above(left)
@@ -211,7 +218,7 @@ class LoadFigures(Figures):
         """Draw force and impulse of every engagement impact over time."""
         found = self.result.engagements(sprocket, start=start, end=end)
         figure, axes = subplots(2, 1, sharex=True, ax=ax, figsize=(7.0, 3.8))
-        for number in found["sprocket"].unique().tolist():
+        for number in sorted(found["sprocket"].unique().tolist()):
             rows = found[found["sprocket"] == number]
             color = CYCLE[(number - 1) % len(CYCLE)]
             toothed = len(self.result.drive.sprockets)
@@ -252,4 +259,4 @@ def _cycles(axes: Axes, cycles: xr.Dataset) -> None:
     axes.set(xlabel="range of the pressure [MPa] or more", xlim=(0.0, None))
     if mean.any():
         axes.set_yscale("log")
-    axes.set_ylabel(f"cycles of a {part} per round")
+    axes.set_ylabel(f"cycles of a {part} per revolution")

@@ -185,7 +185,10 @@ def legend_outside(
         legend_above(cells[0])
         return
     handles, labels = cells[0].get_legend_handles_labels()
-    cells[0].figure.legend(handles, labels, loc=loc, ncols=len(labels))
+    fitting = int(
+        cells[0].figure.bbox.width / cells[0].figure.dpi // 1.5
+    )  # an entry takes about 1.5 inches
+    cells[0].figure.legend(handles, labels, loc=loc, ncols=max(1, min(len(labels), fitting)))
 
 
 def legend_above(axes: Axes) -> None:
@@ -203,6 +206,7 @@ def legend_of_distinct(axes: Axes) -> None:
         once,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        ncols=len(once),
+        ncols=min(len(once), 3),  # more would cover the title
         borderaxespad=0.2,
+        **({} if len(once) < 3 else {"handlelength": 1.0, "columnspacing": 0.8}),
     )
