@@ -2,7 +2,9 @@
 
 A scene is made from its seed alone and runs in a process of its own, 20 s of processor time at
 most. Prints the failures as they come and a table at the end; the exit status is 1 when a scene
-hangs, panics, aborts, raises what is no error of the package, or is out of balance in silence.
+breaks one of the bounds of bounds.py, hangs, panics, aborts, or raises what is no error of the
+package. With --extremes, rich scenes run with each of their numbers times 1e-9 to 1e9 instead.
+With --shrink, a failing scene is simplified while it fails, and written to a TOML file.
 """
 
 from __future__ import annotations
@@ -13,7 +15,10 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
+import extremes
+import shrink
 from outcomes import table
+from scenes import Seeded
 from workers import LIMIT, outcomes_of
 
 
@@ -23,21 +28,30 @@ def _seeds(text: str) -> range:
 
 
 def main() -> int:
-    """Run the scenes of the seeds asked for."""
+    """Run the scenes asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=_seeds, default=range(200), help="A:B, or one seed")
+    parser.add_argument("--extremes", action="store_true", help="numbers times 1e-9 to 1e9")
+    parser.add_argument("--only", default="", help="extremes whose name has this in it")
     parser.add_argument("--longest", type=float, default=0.04, help="longest duration [s]")
     parser.add_argument("--limit", type=float, default=LIMIT, help="processor time of a scene [s]")
     parser.add_argument("--out", type=Path, help="file of all outcomes, a JSON object a line")
+    parser.add_argument("--shrink", type=Path, help="folder for simplified failing scenes")
     parser.add_argument("--verbose", action="store_true", help="print all outcomes")
     given = parser.parse_args()
+    jobs = [Seeded(seed, given.longest) for seed in given.seeds]
+    if given.extremes:
+        jobs = [job for job in extremes.jobs() if given.only in job.name]
     outcomes = []
-    for outcome in outcomes_of(given.seeds, given.longest, given.limit):
+    for job, outcome in zip(jobs, outcomes_of(jobs, given.limit), strict=True):
         outcomes.append(outcome)
+        if given.out:
+            with given.out.open("a") as lines:
+                lines.write(json.dumps(asdict(outcome)) + "\n")
         if outcome.failed or given.verbose:
             print(outcome, flush=True)
-    if given.out:
-        given.out.write_text("".join(json.dumps(asdict(o)) + "\n" for o in outcomes))
+        if outcome.failed and given.shrink:
+            print(shrink.to_file(job, outcome, given.shrink, given.limit), flush=True)
     print(table(outcomes))
     return int(any(outcome.failed for outcome in outcomes))
 

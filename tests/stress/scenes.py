@@ -1,9 +1,11 @@
-"""A random legal scene from a seed: what moves, its laws, its solver, its start."""
+"""A random legal scene from a seed: what moves, its laws, its solver, its start, its run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 import drives
 import mechanisms
@@ -11,56 +13,89 @@ import parts
 import rustchain as rc
 from draw import Draw
 
+ROWS = 100  # of a run
+
 # Kinds of scenes, and in how many of a hundred each is.
 KINDS: dict[str, tuple[int, Callable[[Draw], rc.ChainDrive | rc.Mechanism]]] = {
-    "two sprockets": (28, drives.two_sprockets),
-    "layout": (18, drives.layout),
-    "published drive": (12, drives.paper),
-    "open chain": (16, drives.open_chain),
+    "two sprockets": (26, drives.two_sprockets),
+    "layout": (17, drives.layout),
+    "published drive": (10, drives.paper),
+    "open chain": (15, drives.open_chain),
     "ideal hinges": (6, drives.ideal_hinges),
-    "pendulum": (5, mechanisms.pendulum),
-    "slider-crank": (6, mechanisms.slider_crank),
+    "tree of joints": (8, mechanisms.tree),
+    "slider-crank": (5, mechanisms.slider_crank),
+    "gears": (4, mechanisms.gears),
     "bouncing": (6, mechanisms.bouncing),
     "drive as mechanism": (3, mechanisms.of_a_drive),
 }
 
 
+@dataclass(frozen=True)
+class Trial:
+    """A scene and how it is run."""
+
+    scene: rc.Scene
+    duration: float
+    restart: bool = False
+    """Whether the second half runs twice, the second time from the state in a file."""
+    features: list[str] = field(default_factory=list, compare=False)
+
+
 @dataclass
-class Scene:
-    """What a seed stands for; `run` makes the descriptions, which may be refused."""
+class Seeded:
+    """What a seed stands for; `trial` makes the descriptions, which may be refused."""
 
     seed: int
+    longest: float = 0.04
 
     def __post_init__(self) -> None:
         self.draw = Draw(self.seed)
         shares = [kind for kind, (share, _) in KINDS.items() for _ in range(share)]
         self.kind = self.draw.one_of(shares)
 
-    def simulation(self) -> rc.Simulation:
-        """Return the scene's simulation, at its start."""
-        draw = self.draw
-        described = KINDS[self.kind][1](draw)
-        if isinstance(described, rc.Mechanism):
-            keywords = {"solver": parts.solver(draw)} if draw.chance(0.3) else {}
-            return rc.Simulation(described, **keywords)
-        if described.hinges == "ideal":
-            return rc.Simulation(described, force_law=parts.law(draw))
-        laws = {"force_law": parts.law(draw) if draw.chance(0.5) else rc.LankaraniNikravesh()}
-        if draw.chance(0.15, "other tooth law"):
-            laws["tooth_law"] = parts.law(draw)
-        if draw.chance(0.3):
-            friction = parts.friction(draw)
-            laws = {name: replace(law, friction=friction) for name, law in laws.items()}
-        if draw.chance(0.15, "film"):
-            film = rc.LubricantFilm(draw.log_between(0.005, 0.5))
-            laws["hinge_law"] = replace(laws["force_law"], film=film)
-        if draw.chance(0.2):
-            laws["min_impact_velocity"] = draw.log_between(1e-5, 1e-1)
-        start = "static" if draw.chance(0.25, "static") else "generated"
-        return rc.Simulation(described, solver=parts.solver(draw), start=start, **laws)
+    @property
+    def name(self) -> str:
+        """What the scene is called in tables."""
+        return str(self.seed)
 
-    def run(self, longest: float) -> rc.Result:
-        """Run the scene for 2 to 40 ms [s], `longest` at most, and return its result."""
-        simulation = self.simulation()
-        duration = min(longest, self.draw.log_between(2e-3, 4e-2))
-        return simulation.run(duration, report_step=duration / 100.0, progress=False)
+    def trial(self) -> Trial:
+        """Return the scene, which runs for 2 to 40 ms [s], `longest` at most."""
+        draw = self.draw
+        scene = _scene(draw, KINDS[self.kind][1](draw))
+        duration = min(self.longest, draw.log_between(2e-3, 4e-2))
+        return Trial(scene, duration, draw.chance(0.2, "restart"), draw.features)
+
+
+def _scene(draw: Draw, described: rc.ChainDrive | rc.Mechanism) -> rc.Scene:
+    """Return the scene of a drive or a mechanism with laws, solver and start."""
+    if isinstance(described, rc.Mechanism):
+        keywords = {"solver": parts.solver(draw)} if draw.chance(0.4) else {}
+        return rc.Scene(described, **keywords)
+    laws = {"force_law": parts.law(draw) if draw.chance(0.5) else rc.LankaraniNikravesh()}
+    if described.hinges == "ideal":
+        return rc.Scene(described, **laws)
+    if draw.chance(0.15, "other tooth law"):
+        laws["tooth_law"] = parts.law(draw)
+    if draw.chance(0.3):
+        friction = parts.friction(draw)
+        laws = {name: replace(law, friction=friction) for name, law in laws.items()}
+    if draw.chance(0.15, "film"):
+        law = laws["force_law"] if draw.chance(0.7) else parts.law(draw)
+        laws["hinge_law"] = replace(law, film=parts.film(draw))
+    if draw.chance(0.2, "impact velocity"):
+        laws["min_impact_velocity"] = draw.log_between(1e-7, 1e-1)
+    start = "static" if draw.chance(0.2, "static") else "generated"
+    scene = rc.Scene(described, solver=parts.solver(draw), start=start, **laws)
+    if start == "generated" and draw.chance(0.04, "own start"):
+        scene = _moved(draw, scene)
+    return scene
+
+
+def _moved(draw: Draw, scene: rc.Scene) -> rc.Scene:
+    """Return the scene with links that begin with velocities of their own."""
+    simulation = rc.Simulation(scene)
+    velocities = np.array(simulation.velocities)
+    links = scene.drive.chain.links
+    random = np.random.default_rng(draw.integer(0, 2**32))
+    velocities[:links, :2] += random.normal(0.0, draw.log_between(1e-3, 1.0), (links, 2))
+    return replace(scene, positions=simulation.positions, velocities=velocities)

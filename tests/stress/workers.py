@@ -7,32 +7,34 @@ import signal
 from collections.abc import Iterable, Iterator
 from multiprocessing.connection import Connection
 
-from outcomes import Outcome, outcome_of
-from scenes import Scene
+from outcomes import Job, Outcome, outcome_of
 
-# Limit of processor time of a scene [s]: the wall time of one that has a processor to itself.
+# Limit of processor time of a scene [s], at which it is interrupted.
 LIMIT = 20.0
 
-# Wall time after which a scene that uses no processor time is given up [s].
-WALL_LIMIT = 20.0 * LIMIT
+# A scene that does not obey hangs: times the limit until its process is ended.
+PATIENCE = 2.0
+
+# Wall time after which a scene that uses no processor time is given up, times the limit.
+WALL = 20.0
 
 
-def outcomes_of(seeds: Iterable[int], longest: float, limit: float = LIMIT) -> Iterator[Outcome]:
-    """Yield the outcome of each seed; a process that a scene has ended is followed by another."""
+def outcomes_of(jobs: Iterable[Job], limit: float = LIMIT) -> Iterator[Outcome]:
+    """Yield the outcome of each job; a process that a scene has ended is followed by another."""
     process = connection = None
-    for seed in seeds:
+    for job in jobs:
         if process is None:
             process, connection = _started()
         try:
-            connection.send((seed, longest, limit))
-            if not connection.poll(WALL_LIMIT):
+            connection.send((job, limit))
+            if not connection.poll(WALL * max(limit, 1.0)):
                 process.terminate()
             yield connection.recv()
         except EOFError:  # it has ended
             process.join()
-            hung = -process.exitcode in (signal.SIGPROF, signal.SIGTERM)
+            hung = -process.exitcode in (signal.SIGVTALRM, signal.SIGTERM)
             word = "hang" if hung else "abort"
-            yield Outcome(seed, Scene(seed).kind, word, f"exit code {process.exitcode}")
+            yield Outcome(job.name, job.kind, word, f"exit code {process.exitcode}")
             process = None
     if process is not None:
         connection.send(None)
@@ -51,8 +53,8 @@ def _started() -> tuple[multiprocessing.Process, Connection]:
 def _work(connection: Connection) -> None:
     """Run the scenes that are asked for."""
     while (asked := connection.recv()) is not None:
-        seed, longest, limit = asked
+        job, limit = asked
         # The default action of this signal ends the process, in whatever it is.
-        signal.setitimer(signal.ITIMER_PROF, limit)
-        connection.send(outcome_of(seed, longest))
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.setitimer(signal.ITIMER_VIRTUAL, PATIENCE * limit)
+        connection.send(outcome_of(job, limit))
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)

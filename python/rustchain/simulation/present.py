@@ -17,7 +17,7 @@ from rustchain.description.scene import OfScene, Scene
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, ToothJumpWarning
 from rustchain.names import known_keywords
 from rustchain.results import state_file
-from rustchain.simulation.core import core_of
+from rustchain.simulation.core import core_of, start_of
 from rustchain.simulation.evaluation import Evaluation
 from rustchain.typing import Array
 
@@ -150,6 +150,8 @@ class Present(OfScene):
             A contact had left the range of its law.
         """
         scene, place, state = state_file.read(path)
+        if scene.kind == "mechanism":  # assembled anew; drivers change the described velocities
+            place, _ = start_of(scene)
         simulation = cls._around(core_of(scene, place), scene)
         simulation._core = state_file.restored(simulation._core, state)
         simulation._warn()

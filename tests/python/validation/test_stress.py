@@ -1,37 +1,78 @@
-"""The generator of random scenes in tests/stress: its scenes and its classes of outcomes."""
+"""The random and extreme scenes of tests/stress: their bounds, classes of outcomes, shrinking."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from outcomes import Outcome, is_silent, outcome_of, table
-from scenes import KINDS, Scene
+import bounds
+import extremes
+import outcomes
+import rustchain as rc
+import shrink
+import tree
+from outcomes import Outcome, outcome_of, table
+from scenes import KINDS, Seeded, Trial
 from workers import outcomes_of
 
 BRIEF = 1e-3  # [s]
 
 
+class Given:
+    """A job of one scene."""
+
+    name = kind = "given"
+
+    def __init__(self, scene, duration=BRIEF, restart=False):
+        self.given = Trial(scene, duration, restart)
+
+    def trial(self):
+        return self.given
+
+
 def test_a_seed_alone_decides_its_scene():
-    first, again = (outcome_of(3, BRIEF) for _ in range(2))
+    first, again = (outcome_of(Seeded(5, BRIEF)) for _ in range(2))
     assert first == again
-    assert {Scene(seed).kind for seed in range(200)} == set(KINDS)
+    assert {Seeded(seed).kind for seed in range(200)} == set(KINDS)
 
 
-def test_scenes_that_end_and_scenes_that_hang_are_told_apart():
-    seeds = [seed for seed in range(100) if Scene(seed).kind in ("published drive", "bouncing")]
-    for outcome in outcomes_of(seeds[:4], BRIEF):
+def test_scenes_that_end_and_scenes_that_are_slow_are_told_apart():
+    jobs = [job for k in range(100) if (job := Seeded(k, BRIEF)).kind in ("bouncing", "gears")]
+    for outcome in outcomes_of(jobs[:4]):
         assert outcome.outcome == "finished", str(outcome)
-    # A limit of processor time that no run can keep; the next one has a process again.
-    (hung,) = outcomes_of(seeds[:1], BRIEF, limit=0.01)
+    # A limit of processor time that no run can keep: the interrupt is obeyed, the process goes on.
+    slow, after = outcomes_of([Given(rc.Scene(rc.paper_drive()), 10.0), jobs[0]], limit=0.5)
+    assert slow.outcome == "slow"
+    assert not slow.failed
+    assert "steps" in slow.message
+    assert after.outcome == "finished"
+
+
+class Hanging(Given):
+    """A job that obeys no interrupt."""
+
+    def trial(self):
+        while True:
+            try:
+                sum(range(10**9))
+            except KeyboardInterrupt:
+                continue
+
+
+def test_what_obeys_no_interrupt_hangs_and_the_next_scene_has_a_process_again():
+    hung, after = outcomes_of([Hanging(rc.Scene(rc.paper_drive())), Seeded(0, BRIEF)], limit=0.3)
     assert hung.outcome == "hang"
-    assert "| all | 1 | 1 |" in table([hung])
+    assert hung.failed
+    assert "| given | 1 | 0 | 1 |" in table([hung, after])
 
 
 @pytest.mark.parametrize(
     ("residual", "dissipated", "exchanged", "silent"),
     [(4e-3, 0.1, 1.0, False), (6e-3, 0.1, 1.0, True), (6e-4, 0.0, 1.0, True)],
 )
-def test_an_imbalance_without_a_warning_is_silent(residual, dissipated, exchanged, silent):
+def test_more_than_the_bound_may_not_be_missing_in_silence(residual, dissipated, exchanged, silent):
     energy = {
         "residual": residual,
         "dissipated": dissipated,
@@ -39,5 +80,92 @@ def test_an_imbalance_without_a_warning_is_silent(residual, dissipated, exchange
         "stored": 1.0,
         "kinetic": 1.0,
     }
-    assert is_silent(Outcome(0, "", "finished", energy=energy)) is silent
-    assert not is_silent(Outcome(0, "", "finished", warned=["EnergyWarning"], energy=energy))
+    assert (bounds.balance(energy) > 1.0) is silent
+
+
+@pytest.fixture
+def result():
+    drive = rc.two_sprocket_drive("ANSI 40", (11, 11), links=30, pretension=50.0)
+    groups = ("hinges", "teeth", "sprockets", "bodies", "energy")
+    return rc.Simulation(drive).run(BRIEF, progress=False, record=groups)
+
+
+def worst(result):
+    found = {}
+    for figure in bounds.figures(result):  # one for each wheel
+        found[figure.name] = max(figure.value, found.get(figure.name, -np.inf))
+    return found
+
+
+def test_a_result_that_breaks_a_bound_is_seen(result):
+    fine = worst(result)
+    assert max(fine.values()) < 0.01
+    # Seated bushings are at the outline: their centres are a radius away from it.
+    assert abs(fine["bushing's centre in a tooth"]) < 0.01
+    arrays = {name: np.array(values) for name, values in result.arrays.items()}
+    broken = replace(result, arrays=arrays)
+    arrays["hinge_penetration"][3, 2] = 0.01
+    assert worst(broken)["penetration of a hinge over the radius"] > 1.0
+    arrays["velocities"][1, 0, 0] = np.nan
+    assert np.isinf(worst(broken)["numbers that are not finite, velocities"])
+    # A link moved to the middle of a wheel: its hinge is within the teeth.
+    arrays["positions"][2, 0, :2] = arrays["sprocket_center"][2, 0]
+    assert worst(broken)["bushing's centre in a tooth"] > 1.0
+
+
+def test_an_imbalance_in_silence_fails_and_one_with_a_warning_does_not():
+    scene = rc.Scene(rc.paper_drive(), solver=rc.Solver("newton", accuracy=1e-4))
+    told = outcome_of(Given(scene, 0.02))
+    assert told.warned == ["EnergyWarning"]
+    assert told.worst["residual, with a warning"] > 1.0
+    assert not told.failed
+    found = Outcome("", "", "finished")
+    with pytest.warns(rc.EnergyWarning):
+        result, same = outcomes.run(Given(scene, 0.02).trial())
+    outcomes._classify(found, result, same, warned=set())
+    assert found.outcome == "silent imbalance"
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("make", extremes.RICH, ids=lambda make: make.__name__)
+def test_the_rich_scenes_themselves_hold_every_bound(make):
+    outcome = outcome_of(Given(make(), restart=True))
+    assert outcome.outcome == "finished", str(outcome)
+    assert max(outcome.worst.values()) < 0.5
+
+
+def test_a_number_of_a_rich_scene_is_multiplied():
+    path = ("system", "chain", "material", "elastic_modulus")
+    job = extremes.Extreme("published", path, 1e-3)
+    assert job in extremes.jobs()
+    material = extremes.published().drive.chain.material
+    modulus = 1e-3 * material.elastic_modulus
+    assert job.trial().scene.drive.chain.material.elastic_modulus == modulus
+    path = ("system", "chain", "hinge", "bore_radius")
+    (refused,) = outcomes_of([extremes.Extreme("published", path, 1e-9)])
+    assert refused.outcome == "refused"
+
+
+def test_a_failing_scene_becomes_a_small_file(tmp_path, monkeypatch):
+    # Stands for a defect: whatever has rollers fails.
+    def fails(jobs, limit):
+        for job in jobs:
+            try:
+                failing = job.trial().scene.drive.chain.roller is not None
+            except rc.InvalidInput:
+                failing = False
+            yield Outcome(job.name, job.kind, "panic" if failing else "finished")
+
+    monkeypatch.setattr(shrink, "outcomes_of", fails)
+    job = Given(extremes.rollers(), restart=True)
+    simpler = shrink.simplified(job, Outcome("", "", "panic"), 1.0, seconds=20.0)
+    scene = simpler.trial().scene
+    assert scene.drive.chain.roller is not None
+    assert scene.tooth_law is None
+    assert scene.law_of_teeth.friction is None
+    assert scene.drive.chain.carried == ()
+    assert scene.drive.sprockets[0].eccentricity == 0.0
+    assert not simpler.restart
+    assert len(list(tree.numbers(tree.tree_of(scene)))) < 45
+    shrink.to_file(job, Outcome("", "", "panic"), tmp_path, 1.0)
+    assert rc.load_scene(tmp_path / "given.toml").drive.chain.roller is not None

@@ -1,0 +1,163 @@
+"""Bounds that every finished run holds, and how near a run came to them.
+
+Positions of bushings and outlines of teeth are compared here without the contact search of the
+package: a contact that it misses is seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+import rustchain as rc
+
+Array = npt.NDArray[np.float64]
+
+# A residual above this share of the energy dissipated must not be silent. Where less is dissipated
+# than these shares of the energy exchanged and stored, it is held against them.
+SHARE, OF_EXCHANGED, OF_STORED = 0.05, 1e-2, 2e-4
+
+# Kinetic energy [J] of half a kilogram that moves at three times the default error of speeds, 1e-5
+# m/s: what has no more is at rest, and all that passes in it is error.
+AT_REST = 2e-10
+
+# Residuals of joints [m or rad] and of their rates, against the largest distance or speed in the
+# scene. Positions are corrected after a step only where they have left the joints by more than the
+# tolerances, which are 1e-5 at most here.
+DRIFT, DRIFT_RATE = 1e-6, 1e-4
+
+# Young's modulus [Pa] from which on a penetration by a whole radius is none of softness.
+HARD = 1e9
+
+# No array of a result has a number that is not finite but these: no contact near, no peak yet.
+MAY_BE_INFINITE = ("hinge_penetration", "tooth_penetration", "roller_penetration")
+MAY_BE_INFINITE += ("contact_penetration",)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """How near a run came to a bound: `value` as a share of it, and what it is called if above."""
+
+    name: str
+    value: float
+    failure: str
+
+
+def energies(result: rc.Result) -> dict[str, float]:
+    """Return the largest residual of a run, and what its energy balance can be held against [J]."""
+    energy = result.energy
+
+    def spread(values: Array) -> float:
+        return float(values.max() - values.min())
+
+    dissipated = float(energy.dissipated[-1])
+    moved = (energy.external_work, energy.kinetic, energy.gravity, energy.elastic)
+    return {
+        "residual": float(np.abs(energy.residual).max()),
+        "dissipated": dissipated,
+        "exchanged": max(dissipated, *map(spread, moved)),
+        "kinetic": float(energy.kinetic.max()),
+        "stored": float((energy.kinetic + energy.elastic).max()),
+    }
+
+
+def balance(energy: dict[str, float]) -> float:
+    """Return the residual over that which may be missing in silence; NaN is an imbalance."""
+    if energy["kinetic"] <= AT_REST:
+        return 0.0
+    scale = max(
+        energy["dissipated"], OF_EXCHANGED * energy["exchanged"], OF_STORED * energy["stored"]
+    )
+    return energy["residual"] / (SHARE * scale) if scale > 0.0 else np.inf
+
+
+def figures(result: rc.Result) -> Iterator[Figure]:
+    """Yield the figures of a run but that of its energy balance."""
+    arrays = result.arrays
+    system = result.scene.system
+    for name, values in arrays.items():
+        odd = np.isnan(values) if name in MAY_BE_INFINITE else ~np.isfinite(values)
+        if odd.any():
+            yield Figure(f"numbers that are not finite, {name}", np.inf, "not finite")
+    if isinstance(system, rc.Mechanism):
+        yield from _mechanism(system, arrays)
+        return
+    chain = system.chain
+    if system.hinges == "ideal":
+        drift = np.hypot(*np.moveaxis(arrays["hinge_eccentricity"], -1, 0)).max()
+        yield Figure("drift of hinges", float(drift / (DRIFT * chain.pitch)), "drift")
+    elif chain.link_stiffness is None and chain.material.elastic_modulus >= HARD:
+        yield _depth("hinge", arrays["hinge_penetration"], chain.hinge.pin_radius)
+    if chain.material.elastic_modulus >= HARD:
+        yield _depth("tooth", arrays["tooth_penetration"], chain.contact_radius)
+        yield from _through_teeth(system, arrays)
+
+
+def _depth(name: str, penetration: Array, radius: float) -> Figure:
+    deepest = float(penetration.max(initial=0.0)) / radius
+    return Figure(f"penetration of a {name} over the radius", deepest, "through a part")
+
+
+def _mechanism(system: rc.Mechanism, arrays: dict[str, Array]) -> Iterator[Figure]:
+    """Yield the drift of joints, and penetrations where surfaces are hard."""
+    if system.joints:
+        size = max(1.0, float(np.abs(arrays["positions"]).max()))
+        drift = float(np.abs(arrays["joint_position_residual"]).max())
+        yield Figure("drift of joints", drift / (DRIFT * size), "drift")
+        speed = max(1.0, float(np.abs(arrays["velocities"]).max()))
+        rate = float(np.abs(arrays["joint_velocity_residual"]).max())
+        yield Figure("drift of speeds of joints", rate / (DRIFT_RATE * speed), "drift")
+    for k, contact in enumerate(system.contacts):
+        law = contact.law
+        if isinstance(law, rc.SurfaceContact) and law.material.elastic_modulus >= HARD:
+            radius = contact.radius
+            if not isinstance(law.law, rc.Linear):
+                yield _depth("contact", arrays["contact_penetration"][:, k], radius)
+
+
+def _through_teeth(drive: rc.ChainDrive, arrays: dict[str, Array]) -> Iterator[Figure]:
+    """Yield how far the centre of a bushing came inside the outline of a wheel."""
+    chain, poses = drive.chain, arrays["positions"]
+    bushings = _bushings(drive, poses)
+    for k, sprocket in enumerate(drive.sprockets):
+        angle = arrays["sprocket_angle"][:, k, None]
+        turned = angle + sprocket.eccentricity_angle
+        center = arrays["sprocket_center"][:, k, None, :]
+        teeth = center + sprocket.eccentricity * _unit(turned)
+        outline = sprocket.outline(chain, points=12)
+        depth = _inside(outline, bushings - teeth, angle)
+        # A centre on the outline is a penetration by the radius.
+        share = 1.0 + depth / chain.contact_radius
+        yield Figure("bushing's centre in a tooth", float(share.max()), "through a part")
+    first = drive.hinge_count * (1 if chain.roller is None else 2) + len(drive.sprockets)
+    for k, guide in enumerate(drive.guides):
+        if isinstance(guide, rc.SmoothIdler) and guide.material is None:
+            away = bushings - poses[:, first + k, None, :2]
+            share = 1.0 + (guide.radius - np.hypot(away[..., 0], away[..., 1])) / (
+                chain.contact_radius
+            )
+            yield Figure("bushing's centre in an idler", float(share.max()), "through a part")
+
+
+def _bushings(drive: rc.ChainDrive, poses: Array) -> Array:
+    """Return the centres of the hinges at the fronts of all links [m], (times, links, 2)."""
+    links = drive.chain.links
+    half = 0.5 * drive.chain.link_pitches[:, None]
+    return poses[:, :links, :2] + half * _unit(poses[:, :links, 2])
+
+
+def _unit(angle: Array) -> Array:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _inside(outline: Array, points: Array, angle: Array) -> Array:
+    """Return how far points are inside a closed outline along the ray from its middle [m]."""
+    around = np.arctan2(outline[:, 1], outline[:, 0])
+    order = np.argsort(around)
+    radius = np.hypot(outline[:, 0], outline[:, 1])
+    place = np.arctan2(points[..., 1], points[..., 0]) - angle
+    limit = np.interp(place, around[order], radius[order], period=2.0 * np.pi)
+    return limit - np.hypot(points[..., 0], points[..., 1])
