@@ -20,9 +20,9 @@ Array = npt.NDArray[np.float64]
 # than these shares of the energy exchanged and stored, it is held against them.
 SHARE, OF_EXCHANGED, OF_STORED = 0.05, 1e-2, 2e-4
 
-# Kinetic energy [J] of half a kilogram that moves at three times the default error of speeds, 1e-5
-# m/s: what has no more is at rest, and all that passes in it is error.
-AT_REST = 2e-10
+# What moves at no more than so many times the error that steps are allowed in speeds rests, and
+# all that passes in it is error. That error [m/s] is the accuracy [m] times 1e5/s, or `atol`.
+AT_REST, SPEED_OF_ACCURACY, DEFAULT_ATOL = 3.0, 1e5, 1e-5
 
 # Residuals of joints [m or rad] and of their rates, against the largest distance or speed in the
 # scene. Positions are corrected after a step only where they have left the joints by more than the
@@ -61,12 +61,30 @@ def energies(result: rc.Result) -> dict[str, float]:
         "exchanged": max(dissipated, *map(spread, moved)),
         "kinetic": float(energy.kinetic.max()),
         "stored": float((energy.kinetic + energy.elastic).max()),
+        "at rest": _at_rest(result.scene),
     }
+
+
+def _at_rest(scene: rc.Scene) -> float:
+    """Return the kinetic energy [J] up to which links or bodies are at rest."""
+    solver, system = scene.solver, scene.system
+    if solver.rtol is None and solver.atol is None:
+        error = solver.accuracy * SPEED_OF_ACCURACY
+    else:
+        error = DEFAULT_ATOL if solver.atol is None else solver.atol
+    if isinstance(system, rc.Mechanism):
+        mass = sum(body.mass for body in system.bodies if not body.fixed)
+    else:
+        chain = system.chain
+        mass = 0.5 * chain.links * chain.strands * (chain.inner.mass + chain.outer.mass)
+        mass += sum(carried for _, carried in chain.carried)
+        mass += sum(end.mass for end in system.ends or () if isinstance(end, rc.LoadedEnd))
+    return 0.5 * mass * (AT_REST * error) ** 2
 
 
 def balance(energy: dict[str, float]) -> float:
     """Return the residual over that which may be missing in silence; NaN is an imbalance."""
-    if energy["kinetic"] <= AT_REST:
+    if energy["kinetic"] <= energy["at rest"]:
         return 0.0
     scale = max(
         energy["dissipated"], OF_EXCHANGED * energy["exchanged"], OF_STORED * energy["stored"]

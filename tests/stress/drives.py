@@ -143,12 +143,15 @@ def ideal_hinges(draw: Draw) -> rc.ChainDrive:
     radii = [parts.pitch_radius(chain.pitch, s.teeth) for s in sprockets]
     distance = sum(radii) + chain.pitch * draw.between(3.0, 15.0)
     sprockets[1] = replace(sprockets[1], center=(distance, 0.0))
-    pull = parts.usual_tension(chain.pitch)
+    tensioner = None
+    if draw.chance(0.5):  # without what is for drives with clearance
+        tensioner = parts.tensioner(draw, parts.usual_tension(chain.pitch), 2)
+        tensioner = replace(tensioner, ratchet=None, damping_back=None)
     drive = rc.chain_drive(
         chain,
         sprockets,
         adjust=2,
-        tensioner=parts.tensioner(draw, pull, 2) if draw.chance(0.5) else None,
+        tensioner=tensioner,
         gravity=draw.one_of(GRAVITIES),
         hinges="ideal",
     )

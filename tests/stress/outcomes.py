@@ -60,9 +60,10 @@ class Outcome:
     features: list[str] = field(default_factory=list)
     warned: list[str] = field(default_factory=list)
     energy: dict[str, float] = field(default_factory=dict)
-    """Of a finished run [J]: largest residual; dissipated, exchanged, kinetic and stored energy."""
+    """Of a run [J]: largest residual; dissipated, exchanged, kinetic and stored energy; at rest."""
     worst: dict[str, float] = field(default_factory=dict)
     """Largest share of each bound."""
+    steps: int = 0
     seconds: float = field(default=0.0, compare=False)
     """Processor time."""
 
@@ -155,6 +156,7 @@ def run(trial: Trial) -> tuple[rc.Result, bool]:
 
 def _classify(found: Outcome, result: rc.Result, same: bool, warned: set[str]) -> None:
     """Set the class of a run that ended with a result."""
+    found.steps = int(result.stats["steps"])
     if result.status == "interrupted":
         reached = result.time[-1] - result.time[0]
         found.outcome = "slow"

@@ -79,8 +79,10 @@ def test_more_than_the_bound_may_not_be_missing_in_silence(residual, dissipated,
         "exchanged": exchanged,
         "stored": 1.0,
         "kinetic": 1.0,
+        "at rest": 0.1,
     }
     assert (bounds.balance(energy) > 1.0) is silent
+    assert bounds.balance({**energy, "at rest": 1.0}) == 0.0
 
 
 @pytest.fixture
