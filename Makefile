@@ -101,8 +101,8 @@ test-rust: ## cargo test
 test-python: build fmu $(STAMPS)/test-tools ## pytest on all cores; PYTEST_ARGS="-k name" chooses
 	$(BIN)/python -m pytest -n auto $(PYTEST_ARGS)
 
-stress: build ## Random legal scenes, 20 s each at most, and what came of them; STRESS_ARGS="--seeds 0:500"
-	$(BIN)/python tests/stress/run.py $(STRESS_ARGS)
+stress: build $(STAMPS)/test-tools ## Every promise, its test, failures and worst figures; random scenes by STRESS_ARGS="--seeds 0:500"
+	$(BIN)/python tests/stress/reliability.py $(STRESS_ARGS)
 
 # --- lints
 

@@ -29,6 +29,9 @@ AT_REST, SPEED_OF_ACCURACY, DEFAULT_ATOL = 3.0, 1e5, 1e-5
 # tolerances, which are 1e-5 at most here.
 DRIFT, DRIFT_RATE = 1e-6, 1e-4
 
+# Largest tolerance of lengths [m] with which contacts are resolved: penetrations are about 1e-6 m.
+COARSEST = 1e-6
+
 # Young's modulus [Pa] from which on a penetration by a whole radius is none of softness.
 HARD = 1e9
 
@@ -67,11 +70,7 @@ def energies(result: rc.Result) -> dict[str, float]:
 
 def _at_rest(scene: rc.Scene) -> float:
     """Return the kinetic energy [J] up to which links or bodies are at rest."""
-    solver, system = scene.solver, scene.system
-    if solver.rtol is None and solver.atol is None:
-        error = solver.accuracy * SPEED_OF_ACCURACY
-    else:
-        error = DEFAULT_ATOL if solver.atol is None else solver.atol
+    system, error = scene.system, _tolerances(scene.solver)[1]
     if isinstance(system, rc.Mechanism):
         mass = sum(body.mass for body in system.bodies if not body.fixed)
     else:
@@ -80,6 +79,14 @@ def _at_rest(scene: rc.Scene) -> float:
         mass += sum(carried for _, carried in chain.carried)
         mass += sum(end.mass for end in system.ends or () if isinstance(end, rc.LoadedEnd))
     return 0.5 * mass * (AT_REST * error) ** 2
+
+
+def _tolerances(solver: rc.Solver) -> tuple[float, float]:
+    """Return the errors that steps are allowed in lengths [m] and speeds [m/s] near zero."""
+    if solver.rtol is None and solver.atol is None:
+        return solver.accuracy, solver.accuracy * SPEED_OF_ACCURACY
+    error = DEFAULT_ATOL if solver.atol is None else solver.atol
+    return error, error
 
 
 def balance(energy: dict[str, float]) -> float:
@@ -100,6 +107,9 @@ def figures(result: rc.Result) -> Iterator[Figure]:
         odd = np.isnan(values) if name in MAY_BE_INFINITE else ~np.isfinite(values)
         if odd.any():
             yield Figure(f"numbers that are not finite, {name}", np.inf, "not finite")
+    accuracy = result.scene.solver.accuracy
+    if accuracy > COARSEST:
+        return
     if isinstance(system, rc.Mechanism):
         yield from _mechanism(system, arrays)
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import tempfile
 import time
@@ -172,6 +173,11 @@ def _classify(found: Outcome, result: rc.Result, same: bool, warned: set[str]) -
             found.outcome, found.message = figure.failure, f"{figure.name}: {figure.value:.3g}"
     if not same:
         found.outcome, found.message = "other bits", "after a restart from a file"
+
+
+def read(path: Path) -> list[Outcome]:
+    """Return the outcomes that `run.py --out` wrote."""
+    return [Outcome(**json.loads(line)) for line in path.read_text().splitlines()]
 
 
 def table(outcomes: Sequence[Outcome]) -> str:

@@ -17,12 +17,13 @@ from pathlib import Path
 
 import extremes
 import shrink
-from outcomes import table
+from outcomes import read, table
 from scenes import Seeded
 from workers import LIMIT, outcomes_of
 
 
-def _seeds(text: str) -> range:
+def seeds_of(text: str) -> range:
+    """Return the seeds of `A:B`, or one."""
     begin, _, end = text.partition(":")
     return range(int(begin), int(end) if end else int(begin) + 1)
 
@@ -30,19 +31,23 @@ def _seeds(text: str) -> range:
 def main() -> int:
     """Run the scenes asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=_seeds, default=range(200), help="A:B, or one seed")
+    parser.add_argument("--seeds", type=seeds_of, default=range(200), help="A:B, or one seed")
     parser.add_argument("--extremes", action="store_true", help="numbers times 1e-9 to 1e9")
     parser.add_argument("--only", default="", help="extremes whose name has this in it")
     parser.add_argument("--longest", type=float, default=0.04, help="longest duration [s]")
     parser.add_argument("--limit", type=float, default=LIMIT, help="processor time of a scene [s]")
-    parser.add_argument("--out", type=Path, help="file of all outcomes, a JSON object a line")
+    parser.add_argument(
+        "--out", type=Path, help="file of outcomes, a line each; goes on after those"
+    )
     parser.add_argument("--shrink", type=Path, help="folder for simplified failing scenes")
     parser.add_argument("--verbose", action="store_true", help="print all outcomes")
     given = parser.parse_args()
     jobs = [Seeded(seed, given.longest) for seed in given.seeds]
     if given.extremes:
         jobs = [job for job in extremes.jobs() if given.only in job.name]
-    outcomes = []
+    outcomes = read(given.out) if given.out and given.out.exists() else []
+    known = {outcome.name for outcome in outcomes}
+    jobs = [job for job in jobs if job.name not in known]
     for job, outcome in zip(jobs, outcomes_of(jobs, given.limit), strict=True):
         outcomes.append(outcome)
         if given.out:
