@@ -14,7 +14,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{OdeSystem, StepControl};
 use rustchain::multibody::{
-    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Stabilisation,
+    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -124,7 +124,7 @@ fn main() {
 fn evaluation(links: usize) {
     let calls = (200_000 / links).clamp(10, 1000);
     let model = Arc::new(MechanismModel::compile(&hung(links)).expect("a sound chain"));
-    let mut dynamics = MechanismDynamics::new(Arc::clone(&model), Stabilisation::Projection);
+    let mut dynamics = MechanismDynamics::new(Arc::clone(&model));
     let mut y = dynamics
         .assemble()
         .expect("a chain that goes together")
@@ -153,8 +153,8 @@ fn run(links: usize, whole: bool) {
         max_step: 0.01,
         ..StepControl::default()
     };
-    let mut run = MechanismSimulation::assemble(model, control, Stabilisation::Projection)
-        .expect("a chain that goes together");
+    let mut run =
+        MechanismSimulation::assemble(model, control).expect("a chain that goes together");
     let begin = Instant::now();
     let mut to = |t: f64| {
         while !run.advance(t, Duration::MAX).expect("a chain that holds") {}

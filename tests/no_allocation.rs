@@ -13,9 +13,7 @@ use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
 use rustchain::math::simd::InstructionSet;
-use rustchain::multibody::{
-    ContactLaw, ContactPair, Marker, MechanismModel, Profile, Stabilisation, Tribology,
-};
+use rustchain::multibody::{ContactLaw, ContactPair, Marker, MechanismModel, Profile, Tribology};
 use rustchain::run::MechanismSimulation;
 use rustchain::{ForceLaws, Groups};
 
@@ -203,8 +201,7 @@ fn steps_of_a_mechanism_allocate_nothing_after_the_first() {
             ..StepControl::default()
         };
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-        let mut machine =
-            MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
+        let mut machine = MechanismSimulation::assemble(model, control).unwrap();
         machine.advance(5e-3, Duration::MAX).unwrap();
         let (begun, before) = (machine.counts().steps, ALLOCATIONS.get());
         machine.advance(0.08, Duration::MAX).unwrap();

@@ -308,7 +308,7 @@ class Ensemble:
     def close(self) -> None:
         """Stop all cases, and wait until they have."""
 
-def MechanismCore(description: Mechanism, solver: Solver, baumgarte: float | None) -> Core:
+def MechanismCore(description: Mechanism, solver: Solver) -> Core:
     """Assemble a mechanism and return its run."""
 
 def mechanism_case(
@@ -318,7 +318,6 @@ def mechanism_case(
     report_step: float,
     groups: list[str] | None = None,
     energy: bool | None = None,
-    baumgarte: float | None = None,
 ) -> Case:
     """Return a mechanism and what to record of it, for an `Ensemble`."""
 

@@ -18,16 +18,6 @@ use super::system::MechanismSums;
 use crate::error::Result;
 use crate::integrator::OdeSystem;
 
-/// Stabilisation of the constraints.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Stabilisation {
-    /// Positions and velocities are projected onto the constraints after every step, to round-off.
-    Projection,
-    /// Residuals decay as a critically damped oscillator of this angular frequency \[rad/s\] (Baumgarte 1972), for comparison. At 0
-    /// the drift of the integration formulas is visible.
-    Baumgarte(f64),
-}
-
 /// Right-hand side of the equations of motion. Its contact memory changes between steps only.
 ///
 /// The solution is y = [q, v, energy dissipated, external work], with the deflections of bristles after q and their rates after v. It
@@ -68,13 +58,13 @@ pub(super) struct WorkArrays {
 impl MechanismDynamics {
     /// Return the equations of a model, without contact memory.
     #[must_use]
-    pub fn new(model: Arc<MechanismModel>, stabilisation: Stabilisation) -> Self {
+    pub fn new(model: Arc<MechanismModel>) -> Self {
         let n = model.coordinates();
         Self {
             frames: model.start_frames(),
             loads: Loads::new(model.bodies.len(), n),
             contacts: ContactStates::new(&model),
-            constraints: ConstraintState::new(&model, stabilisation),
+            constraints: ConstraintState::new(&model),
             accelerations: vec![0.0; n],
             shift: Shift::new(n),
             corrector: ImplicitCorrector::default(),
@@ -162,7 +152,6 @@ impl MechanismDynamics {
             return;
         }
         constraints.find_rows(model, t, &self.frames);
-        constraints.stabilise(&self.frames);
         if self.corrector.stage.active {
             self.corrector
                 .accelerate(model, constraints, &self.loads.free);

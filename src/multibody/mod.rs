@@ -32,7 +32,7 @@ pub use description::outline_piece::Piece;
 pub use description::profile::Profile;
 pub use description::spring_law::SpringLaw;
 pub use description::tribology::{FrictionLaw, PinFriction, Tribology};
-pub use dynamics::{MechanismDynamics, Stabilisation};
+pub use dynamics::MechanismDynamics;
 pub use from_drive::DriveContacts;
 pub use model::MechanismModel;
 pub use report::MechanismGroups;

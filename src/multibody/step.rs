@@ -3,7 +3,6 @@
 use super::MechanismDynamics;
 use super::assembly::projection::AtHand;
 use super::contact::impact_memory::Memory;
-use super::dynamics::Stabilisation;
 use super::newton::stage::{is_nearness_due, largest_rotation};
 use super::system::MechanismSums;
 use crate::error::{Error, Result};
@@ -80,7 +79,7 @@ impl MechanismDynamics {
 
     /// Project the end of the last step; `at_hand` is known of the factors there.
     fn project_end(&mut self, adams: &Adams, at_hand: AtHand) -> Result<()> {
-        if !self.is_constrained() || self.constraints.stabilisation != Stabilisation::Projection {
+        if !self.is_constrained() {
             return Ok(());
         }
         let t = adams.time();
@@ -135,9 +134,7 @@ impl MechanismDynamics {
     pub(crate) fn evaluate_inside(&mut self, adams: &Adams, t: f64) {
         let mut state = std::mem::take(&mut self.work.inside);
         self.state_at(adams, t, &mut state);
-        if self.constraints.stabilisation == Stabilisation::Projection {
-            (self.projector()).project(t, &mut state, ITERATIONS, AtHand::Nothing);
-        }
+        (self.projector()).project(t, &mut state, ITERATIONS, AtHand::Nothing);
         // A circle that left the back of an open outline in this step was still behind it before the step's end.
         let out = |k: usize| self.step.memory[k] == Memory::BEHIND && t < adams.time();
         let memory = &mut self.contacts.memory;

@@ -15,7 +15,7 @@ use super::describe;
 use super::errors::to_python;
 use super::mechanism::mechanism;
 use super::mechanism_callable::{Raised, take};
-use super::starts::{budget, own_start, stabilisation};
+use super::starts::{budget, own_start};
 use crate::error::Error;
 use crate::run::ensemble;
 use crate::run::ensemble::{Failure, Outcome, Run, Scene};
@@ -83,7 +83,7 @@ impl Case {
 
 /// Return the case of a mechanism, checked and ready to run; `groups` of `None`: all.
 #[pyfunction]
-#[pyo3(signature = (description, solver, duration, report_step, groups=None, energy=None, baumgarte=None))]
+#[pyo3(signature = (description, solver, duration, report_step, groups=None, energy=None))]
 #[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
 pub(super) fn mechanism_case(
     description: &Bound<'_, PyAny>,
@@ -92,13 +92,11 @@ pub(super) fn mechanism_case(
     report_step: &Bound<'_, PyAny>,
     groups: Option<Vec<String>>,
     energy: Option<&Bound<'_, PyAny>>,
-    baumgarte: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Case> {
     let raised = Raised::default();
     let (duration, report_step, energy) = describe::reports(duration, report_step, energy)?;
     let scene = Scene::Mechanism {
         mechanism: mechanism(description, &raised)?,
-        stabilisation: stabilisation(description.py(), baumgarte)?,
         groups: describe::mechanism_groups(groups.as_deref(), energy),
     };
     let case = ensemble::Case {

@@ -9,7 +9,7 @@ use super::describe::{Reader, checked, friction, number, refuse, signal, table, 
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom, take};
 use super::mechanism_contact::contact;
-use super::starts::{interrupted, stabilisation};
+use super::starts::interrupted;
 use crate::multibody::{
     Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
     PinFriction, SpringLaw,
@@ -250,23 +250,21 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
     Ok(ForceElement { name, a, b, kind })
 }
 
-/// Return a run of a mechanism. `baumgarte`: angular frequency of the stabilisation \[rad/s\]; `None`: projection.
+/// Return a run of a mechanism.
 #[pyfunction]
 #[pyo3(name = "MechanismCore")]
 pub(super) fn mechanism_core(
     description: &Bound<'_, PyAny>,
     solver: &Bound<'_, PyAny>,
-    baumgarte: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Core> {
     let py = description.py();
     let raised = Raised::default();
     let description = mechanism(description, &raised)?;
     let control = super::describe::solver(solver)?;
-    let stabilisation = stabilisation(py, baumgarte)?;
     let made = contained(|| {
         let model = Arc::new(MechanismModel::compile(&description)?);
         let give_up = || interrupted(py, &raised);
-        MechanismSimulation::assemble_unless(model, control, stabilisation, &give_up)
+        MechanismSimulation::assemble_unless(model, control, &give_up)
     });
     take(&raised)?;
     let mut simulation = AnySimulation::Mechanism(checked(py, made)?);

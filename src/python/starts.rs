@@ -1,4 +1,4 @@
-//! Starts, inputs, stabilisation and wall time budget of a run for Python, and texts of its warnings.
+//! Starts, inputs and wall time budget of a run for Python, and texts of its warnings.
 
 use std::time::Duration;
 
@@ -14,22 +14,7 @@ use crate::drive::{Drive, InputQuantity};
 use crate::error::Error;
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
-use crate::multibody::Stabilisation;
 use crate::panics::contained;
-
-/// Read the stabilisation of the constraints of a mechanism.
-pub(super) fn stabilisation(
-    py: Python<'_>,
-    baumgarte: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Stabilisation> {
-    let Some(value) = baumgarte else {
-        return Ok(Stabilisation::Projection);
-    };
-    let frequency = describe::finite(value, "baumgarte", "rad/s")?;
-    let allowed = crate::error::check::not_negative("baumgarte", frequency, "rad/s");
-    describe::checked(py, allowed)?;
-    Ok(Stabilisation::Baumgarte(frequency))
-}
 
 /// Return whether a signal such as Ctrl-C was received; its exception is stored in `raised`.
 pub(super) fn interrupted(py: Python<'_>, raised: &Raised) -> bool {

@@ -14,7 +14,7 @@ use crate::drive::Drive;
 use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
-use crate::multibody::{Mechanism, MechanismGroups, MechanismModel, Stabilisation};
+use crate::multibody::{Mechanism, MechanismGroups, MechanismModel};
 use crate::panics;
 use crate::run::simulation::{Simulation, check_reports};
 use crate::run::{AnySimulation, MechanismSimulation};
@@ -41,8 +41,6 @@ pub enum Scene {
     Mechanism {
         /// Description of the mechanism.
         mechanism: Mechanism,
-        /// Stabilisation of the constraints.
-        stabilisation: Stabilisation,
         /// Recorded groups.
         groups: MechanismGroups,
     },
@@ -212,14 +210,9 @@ impl Case {
                 simulation.start_recording(duration, report_step, *groups);
                 Ok(AnySimulation::Drive(simulation))
             }
-            Scene::Mechanism {
-                mechanism,
-                stabilisation,
-                groups,
-            } => {
+            Scene::Mechanism { mechanism, groups } => {
                 let model = Arc::new(MechanismModel::compile(mechanism)?);
-                let mut simulation =
-                    MechanismSimulation::assemble(model, self.control, *stabilisation)?;
+                let mut simulation = MechanismSimulation::assemble(model, self.control)?;
                 simulation.start_recording(duration, report_step, *groups);
                 Ok(AnySimulation::Mechanism(simulation))
             }

@@ -15,7 +15,7 @@ use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
 use crate::multibody::from_drive::channels::DriveView;
-use crate::multibody::{DriveContacts, Mechanism, MechanismGroups, MechanismModel, Stabilisation};
+use crate::multibody::{DriveContacts, Mechanism, MechanismGroups, MechanismModel};
 use crate::system::Recording;
 
 /// Run of a drive with ideal hinges.
@@ -56,8 +56,7 @@ impl IdealDrive {
     ) -> Result<(Self, InitialConfiguration)> {
         let mechanism = Mechanism::from_drive(drive, contacts, start)?;
         let model = Arc::new(MechanismModel::compile(&mechanism)?);
-        let projection = Stabilisation::Projection;
-        let run = MechanismSimulation::assemble_unless(model, control, projection, give_up)?;
+        let run = MechanismSimulation::assemble_unless(model, control, give_up)?;
         let view = DriveView::new(drive, run.model())?;
         let placed = &mechanism.bodies[..view.bodies()];
         let placed = InitialConfiguration {

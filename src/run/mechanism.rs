@@ -8,9 +8,7 @@ use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::math::Signal;
-use crate::multibody::{
-    Assembly, Body, MechanismDynamics, MechanismGroups, MechanismModel, Stabilisation,
-};
+use crate::multibody::{Assembly, Body, MechanismDynamics, MechanismGroups, MechanismModel};
 use crate::system::Recording;
 
 /// Simulation of a mechanism.
@@ -21,12 +19,8 @@ impl Simulation<MechanismDynamics> {
     ///
     /// # Errors
     /// If a control is invalid or the mechanism cannot be assembled.
-    pub fn assemble(
-        model: Arc<MechanismModel>,
-        control: StepControl,
-        stabilisation: Stabilisation,
-    ) -> Result<Self> {
-        Self::assemble_unless(model, control, stabilisation, &|| false)
+    pub fn assemble(model: Arc<MechanismModel>, control: StepControl) -> Result<Self> {
+        Self::assemble_unless(model, control, &|| false)
     }
 
     /// Return a run from the assembled placement; `give_up` is called repeatedly during assembly and ends it with an error.
@@ -36,11 +30,10 @@ impl Simulation<MechanismDynamics> {
     pub fn assemble_unless(
         model: Arc<MechanismModel>,
         control: StepControl,
-        stabilisation: Stabilisation,
         give_up: &dyn Fn() -> bool,
     ) -> Result<Self> {
         control.validate()?;
-        let mut dynamics = MechanismDynamics::new(model, stabilisation);
+        let mut dynamics = MechanismDynamics::new(model);
         let y = dynamics.assemble_for_run(give_up)?;
         let mut adams = Adams::new(dynamics.dimension(), control);
         adams.restart(0.0, &y);

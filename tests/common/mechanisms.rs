@@ -9,7 +9,7 @@ use rustchain::integrator::StepControl;
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismGroups,
-    MechanismModel, Motion, SpringLaw, Stabilisation,
+    MechanismModel, Motion, SpringLaw,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -34,17 +34,8 @@ pub fn control(tolerance: f64, max_step: f64) -> StepControl {
 }
 
 pub fn simulation(mechanism: &Mechanism, tolerance: f64) -> MechanismSimulation {
-    with(mechanism, tolerance, Stabilisation::Projection)
-}
-
-pub fn with(
-    mechanism: &Mechanism,
-    tolerance: f64,
-    stabilisation: Stabilisation,
-) -> MechanismSimulation {
     let model = Arc::new(MechanismModel::compile(mechanism).expect("a sound mechanism"));
-    MechanismSimulation::assemble(model, control(tolerance, 0.05), stabilisation)
-        .expect("joints that go together")
+    MechanismSimulation::assemble(model, control(tolerance, 0.05)).expect("joints that go together")
 }
 
 pub fn record(simulation: &mut MechanismSimulation, duration: f64, report_step: f64) -> Recording {

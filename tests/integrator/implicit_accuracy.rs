@@ -9,7 +9,7 @@ use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismGroups,
-    MechanismModel, Profile, Stabilisation, Tribology,
+    MechanismModel, Profile, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -25,7 +25,7 @@ const HERTZIAN: ContactLaw = ContactLaw::HuntCrossley {
 
 fn simulation(mechanism: &Mechanism, control: StepControl) -> MechanismSimulation {
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap()
+    MechanismSimulation::assemble(model, control).unwrap()
 }
 
 fn control(accuracy: f64, max_step: f64, corrector: Corrector) -> StepControl {

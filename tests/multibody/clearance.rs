@@ -11,7 +11,7 @@ use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, FrictionLaw, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, Motion, Profile, Stabilisation, Tribology,
+    MechanismModel, Motion, Profile, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -218,8 +218,8 @@ fn a_pin_that_rests_in_its_bore_is_stiff_for_one_corrector_only() {
             ..StepControl::default()
         };
         let model = Arc::new(MechanismModel::compile(&resting).expect("a sound mechanism"));
-        let mut machine = MechanismSimulation::assemble(model, control, Stabilisation::Projection)
-            .expect("joints that go together");
+        let mut machine =
+            MechanismSimulation::assemble(model, control).expect("joints that go together");
         let recording = record(&mut machine, 0.1, 0.1);
         let force = recording.contact_force()[1];
         // It still sways about its weight.

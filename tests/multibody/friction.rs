@@ -12,8 +12,7 @@ use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, FrictionLaw, Joint, JointKind, Marker,
-    Mechanism, MechanismDynamics, MechanismModel, Motion, PinFriction, Profile, Stabilisation,
-    Tribology,
+    Mechanism, MechanismDynamics, MechanismModel, Motion, PinFriction, Profile, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -78,7 +77,7 @@ fn run(mechanism: &Mechanism, corrector: Corrector) -> MechanismSimulation {
         ..StepControl::default()
     };
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap()
+    MechanismSimulation::assemble(model, how).unwrap()
 }
 
 #[test]
@@ -177,7 +176,7 @@ fn a_pendulum_with_pin_friction_loses_the_same_angle_in_each_swing() {
         };
         let mechanism = pendulum(start, radius, coulomb(mu, 1e-6));
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-        let mut run = MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
+        let mut run = MechanismSimulation::assemble(model, how).unwrap();
         let period = 2.0 * PI * (2.0 / 3.0 / GRAVITY).sqrt();
         let swings = 5;
         let found = record(&mut run, (f64::from(swings) + 0.1) * period, 1e-3);
@@ -219,7 +218,7 @@ fn pin_torques_are_those_of_the_reactions_that_they_cause() {
     let law = coulomb(0.3, 0.01);
     let radius = 0.05;
     let mechanism = rubbing_chain(4, law, radius);
-    let mut run = with(&mechanism, 1e-8, Stabilisation::Projection);
+    let mut run = simulation(&mechanism, 1e-8);
     let found = record(&mut run, 0.5, 0.1);
     let joints = mechanism.joints.len();
     for (row, velocities) in found.velocities().chunks(12).enumerate().skip(1) {
@@ -247,7 +246,7 @@ fn both_correctors_find_the_same_motion_of_a_chain_with_pin_friction() {
             ..control(1e-9, 1e-3)
         };
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-        let mut run = MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
+        let mut run = MechanismSimulation::assemble(model, how).unwrap();
         let found = record(&mut run, 0.3, 0.3);
         found.positions()[18..].to_vec()
     });
@@ -264,7 +263,7 @@ fn a_pin_that_locks_itself_ends_the_run_with_its_name_for_it() {
     moving.bodies[0] = moving.bodies[0].clone().moving(0.5 * 0.54, 0.5 * 0.84, 1.0);
     let model = Arc::new(MechanismModel::compile(&moving).unwrap());
     let how = control(1e-8, 1e-3);
-    let mut run = MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
+    let mut run = MechanismSimulation::assemble(model, how).unwrap();
     let error = run.advance(1.0, std::time::Duration::MAX).unwrap_err();
     assert!(error.to_string().contains("locks itself"), "{error}");
 }
@@ -342,9 +341,7 @@ fn a_journal_has_the_forces_and_the_torque_of_half_sommerfeld() {
     for ratio in [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
         let mechanism = journal(ratio, 1.0, [0.0; 2]);
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-        let mut run =
-            MechanismSimulation::assemble(model, control(1e-8, 1e-3), Stabilisation::Projection)
-                .unwrap();
+        let mut run = MechanismSimulation::assemble(model, control(1e-8, 1e-3)).unwrap();
         let row = run.row();
         let expected = half_sommerfeld(ratio);
         for (found, expected) in row.accelerations().iter().zip(expected) {
@@ -372,8 +369,7 @@ fn a_light_journal_under_load_comes_to_rest_where_half_sommerfeld_has_it() {
             };
             let mechanism = journal(0.02, 1e-3, [-along, -left]);
             let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-            let mut run =
-                MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
+            let mut run = MechanismSimulation::assemble(model, how).unwrap();
             let found = record(&mut run, 1.0, 0.5);
             let [x, y] = [6, 7].map(|i| found.positions()[i] / CLEARANCE);
             assert!(
@@ -419,9 +415,7 @@ fn friction_and_films_that_mean_nothing_are_refused_with_their_part() {
 fn a_friction_evaluation_at_rest_has_no_torque() {
     let mechanism = pendulum(0.3, 0.01, coulomb(0.5, 1e-3));
     let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-    let mut run =
-        MechanismSimulation::assemble(model, control(1e-8, 1e-3), Stabilisation::Projection)
-            .unwrap();
+    let mut run = MechanismSimulation::assemble(model, control(1e-8, 1e-3)).unwrap();
     let dynamics: &MechanismDynamics = run.present();
     let expected = -1.5 * GRAVITY * (0.3f64).sin();
     assert!((dynamics.accelerations()[2] - expected).abs() < 1e-9);

@@ -10,7 +10,7 @@ use rustchain::geometry::Vec2;
 use rustchain::math::{Signal, Spline, Table};
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, Motion, Profile, SpringLaw, Stabilisation, Tribology,
+    MechanismModel, Motion, Profile, SpringLaw, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 use std::sync::Arc;
@@ -26,13 +26,8 @@ fn without_gravity(bodies: Vec<Body>, joints: Vec<Joint>, forces: Vec<ForceEleme
 }
 
 fn refusal(mechanism: &Mechanism) -> String {
-    let made = MechanismModel::compile(mechanism).and_then(|model| {
-        MechanismSimulation::assemble(
-            Arc::new(model),
-            control(1e-8, 0.01),
-            Stabilisation::Projection,
-        )
-    });
+    let made = MechanismModel::compile(mechanism)
+        .and_then(|model| MechanismSimulation::assemble(Arc::new(model), control(1e-8, 0.01)));
     made.err().map(|e| e.to_string()).unwrap_or_default()
 }
 

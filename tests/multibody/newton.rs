@@ -14,7 +14,7 @@ use rustchain::math::{Signal, Table};
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, CustomForce, ForceElement, ForceKind, FrictionLaw, Joint,
     JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Motion, Piece, PinFriction,
-    Profile, SpringLaw, Stabilisation, Tribology,
+    Profile, SpringLaw, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -264,7 +264,7 @@ fn contacts() -> Vec<ContactPair> {
 
 fn dynamics(mechanism: &Mechanism) -> MechanismDynamics {
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismDynamics::new(model, Stabilisation::Projection)
+    MechanismDynamics::new(model)
 }
 
 /// Overwrites a residual of velocities by the solution with 1 - γ ∂a/∂v - γ² ∂a/∂q, from central differences of the derivative at `y`.
@@ -466,8 +466,7 @@ fn a_chain_of_a_thousand_bars_is_followed_in_as_many_steps_as_a_short_one() {
             max_step: 0.01,
             ..StepControl::default()
         };
-        let mut machine =
-            MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
+        let mut machine = MechanismSimulation::assemble(model, control).unwrap();
         while !machine.advance(0.02, std::time::Duration::MAX).unwrap() {}
         assert!(machine.drift()[0] < 1e-11 * count as f64);
         machine.counts().steps
@@ -490,8 +489,7 @@ fn fast_bars_are_held_in_long_steps_where_factors_of_a_state_beside_give_few_dig
         max_step: 5e-3,
         ..StepControl::default()
     };
-    let mut machine =
-        MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
+    let mut machine = MechanismSimulation::assemble(model, control).unwrap();
     while !machine.advance(2.0, std::time::Duration::MAX).unwrap() {}
     let [places, speeds] = machine.drift();
     assert!(places < 1e-11 && speeds < 1e-7, "{places:e} {speeds:e}");

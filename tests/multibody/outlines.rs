@@ -6,7 +6,7 @@ use crate::common::mechanisms::{GRAVITY, Rows, control, ground, record, simulati
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
-    Piece, Profile, SpringLaw, Stabilisation, Tribology,
+    Piece, Profile, SpringLaw, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -45,7 +45,7 @@ fn linear(damping: f64) -> ContactLaw {
 fn refusal(mechanism: &Mechanism) -> String {
     let made = MechanismModel::compile(mechanism).and_then(|model| {
         let control = control(1e-8, 0.01);
-        MechanismSimulation::assemble(Arc::new(model), control, Stabilisation::Projection)
+        MechanismSimulation::assemble(Arc::new(model), control)
     });
     made.err().map(|e| e.to_string()).unwrap_or_default()
 }

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::multibody::{
-    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Stabilisation,
+    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -141,9 +141,7 @@ fn a_braced_truss_hangs_and_swings_on() {
                     ..StepControl::default()
                 };
                 let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-                let mut machine =
-                    MechanismSimulation::assemble(model, control, Stabilisation::Projection)
-                        .unwrap();
+                let mut machine = MechanismSimulation::assemble(model, control).unwrap();
                 run_to(&mut machine, 0.5);
             }
         }
@@ -158,7 +156,7 @@ fn run_of(mechanism: &Mechanism, accuracy: f64, corrector: Corrector) -> Mechani
         ..StepControl::default()
     };
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap()
+    MechanismSimulation::assemble(model, control).unwrap()
 }
 
 #[test]
@@ -197,9 +195,7 @@ fn a_platform_passes_where_its_posts_lie_in_steps_of_any_length() {
                 };
                 let mechanism = posts(count, 0.3, 8.0);
                 let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-                let stabilisation = Stabilisation::Projection;
-                let mut machine =
-                    MechanismSimulation::assemble(model, control, stabilisation).unwrap();
+                let mut machine = MechanismSimulation::assemble(model, control).unwrap();
                 run_to(&mut machine, 0.25);
                 let place = format!("{count} {corrector:?} {accuracy:e}");
                 assert!(machine.motion(false)[1][2] > 1.05 * PI, "{place}");
@@ -355,7 +351,7 @@ fn random_trusses_have_the_rank_accelerations_and_least_multipliers_of_dense_fac
         let density = [0.55, 0.7, 0.85, 1.0][seed / 6];
         let mechanism = truss(columns, rows, density, seed as u64 + 1);
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-        let mut dynamics = MechanismDynamics::new(model, Stabilisation::Projection);
+        let mut dynamics = MechanismDynamics::new(model);
         let assembly = dynamics.assemble().unwrap();
         let (mass, loads) = dynamics.masses_and_loads();
         let (n, m) = (mass.len(), dynamics.gamma().len());

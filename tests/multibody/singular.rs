@@ -8,7 +8,7 @@ use crate::common::mechanisms::{Rows, bar_chain, four_bars, ground, run_to};
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
-    Joint, JointKind, Marker, Mechanism, MechanismGroups, MechanismModel, Motion, Stabilisation,
+    Joint, JointKind, Marker, Mechanism, MechanismGroups, MechanismModel, Motion,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -22,7 +22,7 @@ fn simulation(mechanism: &Mechanism, accuracy: f64, corrector: Corrector) -> Mec
         ..StepControl::default()
     };
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap()
+    MechanismSimulation::assemble(model, control).unwrap()
 }
 
 /// Parallelograms in a row that turn clockwise at `speed` \[rad/s\].
@@ -114,7 +114,7 @@ fn loads_beyond_all_numbers_end_in_an_error_that_names_the_body() {
                 ..StepControl::default()
             };
             // Refused at the start, or stopped in the first step.
-            let made = MechanismSimulation::assemble(model, control, Stabilisation::Projection);
+            let made = MechanismSimulation::assemble(model, control);
             if let Ok(mut machine) = made {
                 let error = machine.advance(1.0, Duration::MAX).unwrap_err().to_string();
                 assert!(error.contains("bar 0"), "{error}");

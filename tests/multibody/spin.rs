@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::common::mechanisms::{ground, revolute, run_to};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::multibody::{Body, Marker, Mechanism, MechanismModel, Stabilisation};
+use rustchain::multibody::{Body, Marker, Mechanism, MechanismModel};
 use rustchain::run::MechanismSimulation;
 
 /// A body whose centre is held at a distance of `arm` \[m\] from the ground's origin and that turns freely at `speed` \[rad/s\].
@@ -28,8 +28,7 @@ fn spinning(arm: f64, speed: f64) -> Mechanism {
 /// Angle and spin after a second.
 fn turned(mechanism: &Mechanism, control: StepControl) -> ([f64; 2], u64) {
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    let mut simulation =
-        MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
+    let mut simulation = MechanismSimulation::assemble(model, control).unwrap();
     run_to(&mut simulation, 1.0);
     let (angle, spin) = (
         simulation.motion(false)[0][2],

@@ -9,7 +9,7 @@ use crate::common::mechanisms::{
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
-    Profile, Stabilisation, Tribology,
+    Profile, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -130,9 +130,7 @@ fn bounces_between_rows_are_exchanged_and_a_loss_beside_rows_is_still_told() {
     let note = |tolerance: f64, report_step: f64| {
         let model = MechanismModel::compile(&ball(&floor, 0.6, law())).unwrap();
         let control = control(tolerance, 0.05);
-        let mut simulation =
-            MechanismSimulation::assemble(Arc::new(model), control, Stabilisation::Projection)
-                .unwrap();
+        let mut simulation = MechanismSimulation::assemble(Arc::new(model), control).unwrap();
         let found = record(&mut simulation, 4.0, report_step);
         let energy = found.energy();
         let residuals = energy.chunks(6).map(|row| row[5].abs());
@@ -157,8 +155,7 @@ fn only_joints_that_are_missed_are_listed() {
         Marker::new(mechanism.bodies[0].name.clone(), 0.0, 0.0),
     ));
     let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-    let refused =
-        MechanismSimulation::assemble(model, control(1e-8, 0.05), Stabilisation::Projection);
+    let refused = MechanismSimulation::assemble(model, control(1e-8, 0.05));
     let text = refused.unwrap_err().to_string();
     assert!(
         text.contains("\"far\" by") && !text.contains("0.000e0"),

@@ -9,7 +9,7 @@ use crate::common::mechanisms::bar_chain;
 use crate::common::{control, paper_drive, tensioner};
 use rustchain::drive::Drive;
 use rustchain::force_law::Damping;
-use rustchain::multibody::{MechanismGroups, MechanismModel, Stabilisation};
+use rustchain::multibody::{MechanismGroups, MechanismModel};
 use rustchain::run::MechanismSimulation;
 use rustchain::run::ensemble::{Case, Ensemble, Outcome, Scene};
 use rustchain::{Error, ForceLaws, Groups};
@@ -189,7 +189,6 @@ fn mechanisms_run_in_an_ensemble_as_they_do_alone() {
     let case = Case {
         scene: Scene::Mechanism {
             mechanism: mechanism.clone(),
-            stabilisation: Stabilisation::Projection,
             groups,
         },
         control,
@@ -197,8 +196,7 @@ fn mechanisms_run_in_an_ensemble_as_they_do_alone() {
         report_step: 1e-2,
     };
     let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-    let mut alone =
-        MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
+    let mut alone = MechanismSimulation::assemble(model, control).unwrap();
     alone.start_recording(0.2, 1e-2, groups);
     while !alone.record(Duration::MAX).unwrap() {}
     let recording = alone.take_recording();

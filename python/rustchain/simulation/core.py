@@ -44,7 +44,7 @@ def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
 def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
     """Return the compiled core of a scene that begins at `place`."""
     if isinstance(scene.system, Mechanism):
-        core = _rustchain.MechanismCore(_placed(scene.system, place), scene.solver, None)
+        core = _rustchain.MechanismCore(_placed(scene.system, place), scene.solver)
         # As described: the angles of a later state may be many turns.
         for text in (*core.check()["warnings"], *implausible_inputs(scene.system)):
             warn_caller(text)

@@ -4,7 +4,6 @@ use super::equation::Row;
 use super::pin_friction::PinTorques;
 use super::sparse_kkt::SparseKkt;
 use crate::multibody::description::body::Frame;
-use crate::multibody::dynamics::Stabilisation;
 use crate::multibody::model::MechanismModel;
 
 /// With redundant constraints: independence below which a constraint is always left out, over the near-singular threshold.
@@ -18,7 +17,6 @@ pub(crate) struct ConstraintState {
     pub(crate) kkt: Option<SparseKkt>,
     pub(crate) multipliers: Vec<f64>,
     pub(crate) pin_torques: PinTorques,
-    pub(crate) stabilisation: Stabilisation,
     /// Independence of the constraints below which a position counts as near-singular.
     pub(crate) near_singular: f64,
     /// Number of independent constraints away from singular positions.
@@ -31,14 +29,13 @@ pub(crate) struct ConstraintState {
 
 impl ConstraintState {
     /// Return the constraints of a model, not yet evaluated.
-    pub(crate) fn new(model: &MechanismModel, stabilisation: Stabilisation) -> Self {
+    pub(crate) fn new(model: &MechanismModel) -> Self {
         let (n, m) = (model.coordinates(), model.constraints());
         Self {
             rows: vec![Row::default(); m],
             kkt: (m > 0).then(|| SparseKkt::of(model)),
             multipliers: vec![0.0; m],
             pin_torques: PinTorques::new(model.pins.len(), n),
-            stabilisation,
             near_singular: 0.0,
             rank: 0,
             aside: false,
@@ -61,16 +58,6 @@ impl ConstraintState {
             }
             for (row, equation) in rows.iter_mut().zip(equations).skip(done) {
                 *row = equation.evaluate(t, frames);
-            }
-        }
-    }
-
-    /// Replace G a = γ by G a = γ - 2 w c' - w² c for the stabilisation by Baumgarte.
-    pub(crate) fn stabilise(&mut self, frames: &[Frame]) {
-        if let Stabilisation::Baumgarte(frequency) = self.stabilisation {
-            for row in &mut self.rows {
-                let rate = row.rate(frames);
-                row.gamma -= 2.0 * frequency * rate + frequency * frequency * row.value;
             }
         }
     }

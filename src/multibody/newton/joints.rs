@@ -5,7 +5,7 @@ use super::stage::largest_rotation;
 use crate::multibody::constraints::equation::{Equation, Quantity, Row};
 use crate::multibody::constraints::relative_kinematics::{Block, Pair};
 use crate::multibody::description::body::Frame;
-use crate::multibody::dynamics::{MechanismDynamics, Stabilisation};
+use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::forces::force_slopes::add_twist;
 use crate::multibody::model::MechanismModel;
 
@@ -25,19 +25,11 @@ impl ImplicitMatrix {
     pub(super) fn add_joints(&mut self, dynamics: &MechanismDynamics, gamma: f64) {
         let (model, frames) = (&*dynamics.model, &dynamics.frames);
         let (constraints, n) = (&dynamics.constraints, model.coordinates());
-        // Baumgarte's terms 2 w c' + w² c change G x by the factor 1 + 2 w γ + w² γ².
-        let pulled = match constraints.stabilisation {
-            Stabilisation::Baumgarte(w) => 2.0 * w * gamma + (w * gamma).powi(2),
-            Stabilisation::Projection => 0.0,
-        };
         let turn = largest_rotation(frames, 2.0 * gamma);
         let rows_change = !(dynamics.corrector.stage.active && turn <= LITTLE_TURN);
         for (i, equation) in model.equations.iter().enumerate() {
             let row = &constraints.rows[i];
             let mut across = row.jacobian;
-            if pulled != 0.0 {
-                across.iter_mut().flatten().for_each(|j| *j *= 1.0 + pulled);
-            }
             let (pair_places, row_places) = &self.joints[i];
             let saddle = &mut self.saddle;
             let weight = gamma * gamma * constraints.multipliers[i];

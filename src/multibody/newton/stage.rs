@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use super::matrix::ImplicitMatrix;
 use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::description::body::Frame;
-use crate::multibody::dynamics::Stabilisation;
 use crate::multibody::model::MechanismModel;
 
 /// Independence of the constraints, over the near-singular threshold, from which on multipliers are solved for by Newton's method.
@@ -90,9 +89,7 @@ impl StepReactions {
         self.accelerations.clear();
         self.accelerations.extend_from_slice(accelerations);
         // The friction of pins depends on the reactions themselves.
-        self.regular = regular
-            && constraints.pin_torques.values.is_empty()
-            && constraints.stabilisation == Stabilisation::Projection;
+        self.regular = regular && constraints.pin_torques.values.is_empty();
     }
 }
 

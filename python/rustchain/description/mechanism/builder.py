@@ -98,7 +98,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         from rustchain import _rustchain
         from rustchain.description.solver import Solver
 
-        found = _rustchain.MechanismCore(self, Solver(), None).check()
+        found = _rustchain.MechanismCore(self, Solver()).check()
         return MechanismReport(**found | {"warnings": found["warnings"] + implausible_inputs(self)})
 
 
