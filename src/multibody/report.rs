@@ -156,8 +156,10 @@ fn write_contacts(row: &mut Row, dynamics: &MechanismDynamics, impacts: &[f64]) 
     row.real(impacts.iter().copied());
     let sides = || model.contacts.iter().zip(&model.sides_of_contact);
     row.real(sides().map(|(contact, sides)| {
-        let touches = &dynamics.contacts.touches[sides.clone()];
-        let depths = touches.iter().map(|touch| touch.contact.penetration);
+        let side_states = &dynamics.contacts.side_states[sides.clone()];
+        let depths = side_states
+            .iter()
+            .map(|side_state| side_state.contact.penetration);
         let depth = depths.fold(f64::NEG_INFINITY, f64::max);
         if depth > 0.0 {
             depth
@@ -165,7 +167,7 @@ fn write_contacts(row: &mut Row, dynamics: &MechanismDynamics, impacts: &[f64]) 
             contact.penetration(&dynamics.frames, &dynamics.contacts.memory[sides.clone()])
         }
     }));
-    let teeth = || sides().map(|(_, sides)| dynamics.contacts.touches[sides.start].tooth);
+    let teeth = || sides().map(|(_, sides)| dynamics.contacts.side_states[sides.start].tooth);
     // The number of a tooth gap is small, so the conversion to a signed number is exact.
     row.whole(teeth().map(|tooth| tooth.map_or(-1, |tooth| tooth.gap.cast_signed())));
     row.whole(teeth().map(|tooth| tooth.map_or(0, |tooth| i32::from(tooth.region))));

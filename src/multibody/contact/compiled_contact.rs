@@ -1,13 +1,13 @@
 //! A contact prepared for a run: contact points, forces, energies and the impact velocity memory of each side of the profile.
 
-use super::impact_memory::{Memory, Touch};
-use super::outline::{Bearing, Outline, Place, is_tight};
+use super::impact_memory::{Memory, SideState};
+use super::outline::{ContactPoint, Outline, Place, is_tight};
 use crate::error::Result;
 use crate::force_law::HingeFilm;
 use crate::geometry::Contact;
 use crate::geometry::Vec2;
 use crate::multibody::description::body::{End, Frame};
-use crate::multibody::description::contact_law::Prepared;
+use crate::multibody::description::contact_law::CompiledLaw;
 use crate::multibody::description::contact_pair::ContactPair;
 use crate::multibody::description::profile::{Curvature, Nearest, Profile, Tooth};
 use crate::multibody::description::tribology::FrictionLaw;
@@ -24,7 +24,7 @@ pub(crate) struct CompiledContact {
     pub(crate) radius: f64,
     /// Distance of the markers above which there is no contact \[m\]; infinite for profiles of unbounded extent.
     pub(crate) reach: f64,
-    pairs: Vec<Prepared>,
+    pairs: Vec<CompiledLaw>,
     pub(crate) friction: Option<FrictionLaw>,
     pub(crate) film: Option<HingeFilm>,
 }
@@ -73,74 +73,85 @@ impl CompiledContact {
     }
 
     /// Call `visit` with every candidate contact point in the frame of the profile, independent of the memory.
-    pub(crate) fn bearings(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+    pub(crate) fn contact_points(
+        &self,
+        local: Vec2,
+        mut visit: impl FnMut(&ContactPoint, Option<Tooth>),
+    ) {
         if let Some(outline) = &self.outline {
-            outline.bearings(local, self.radius, |bearing| visit(bearing, None));
+            outline.contact_points(local, self.radius, |candidate| visit(candidate, None));
         } else {
-            self.only_bearing(local, visit);
+            self.only_contact_point(local, visit);
         }
     }
 
     /// Call `visit` with the candidate contact points needed for forces: points far from the surface only if there is no other.
-    fn bearings_near(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+    fn contact_points_near(
+        &self,
+        local: Vec2,
+        mut visit: impl FnMut(&ContactPoint, Option<Tooth>),
+    ) {
         if let Some(outline) = &self.outline {
-            outline.bearings_near(local, self.radius, |bearing| visit(bearing, None));
+            outline.contact_points_near(local, self.radius, |candidate| visit(candidate, None));
         } else {
-            self.only_bearing(local, visit);
+            self.only_contact_point(local, visit);
         }
     }
 
     /// Call `visit` with the single candidate contact point of a profile that is not an outline.
-    fn only_bearing(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+    fn only_contact_point(&self, local: Vec2, mut visit: impl FnMut(&ContactPoint, Option<Tooth>)) {
         let Nearest {
             distance,
             outward,
             piece,
             tooth,
         } = self.profile.nearest(local, self.radius);
-        let bearing = Bearing {
+        let candidate = ContactPoint {
             distance,
             outward,
             piece,
             side: 0,
             weight: 1.0,
-            slope: Vec2::zeros(),
+            weight_gradient: Vec2::zeros(),
             bend: 0.0,
             place: Place::Front,
         };
-        visit(&bearing, tooth);
+        visit(&candidate, tooth);
     }
 
     /// Return whether a contact point may have a force. A circle behind an open outline has none until it is outside. A circle that
     /// penetrated from the front has one.
-    pub(crate) fn bears(&self, bearing: &Bearing, memory: Memory) -> bool {
-        match bearing.place {
+    pub(crate) fn may_carry_force(&self, candidate: &ContactPoint, memory: Memory) -> bool {
+        match candidate.place {
             Place::DeepAtEnd => memory.in_front,
             // Without memory, a centre less than half a radius deep counts as having come from the front.
             Place::Deep if self.is_open() => {
-                memory.in_front || memory.speed == 0.0 && -bearing.distance < 0.5 * self.radius
+                memory.in_front || memory.is_empty() && -candidate.distance < 0.5 * self.radius
             }
             // A circle marked as behind has no force while it overlaps the surface.
-            _ => memory.speed >= 0.0 || bearing.distance >= self.radius,
+            _ => !memory.is_behind() || candidate.distance >= self.radius,
         }
     }
 
     /// Return the contact with one side at its point of largest penetration.
-    pub(crate) fn find(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Touch {
-        let mut touch = Touch::default();
+    pub(crate) fn find(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> SideState {
+        let mut side_state = SideState::default();
         let approach = self.approach(fa, fb);
-        self.bearings(self.local(fa, fb), |bearing, tooth| {
-            if bearing.side == side && bearing.weight > 0.0 && self.bears(bearing, memory) {
-                self.deepen(
-                    &mut touch,
-                    bearing,
+        self.contact_points(self.local(fa, fb), |candidate, tooth| {
+            if candidate.side == side
+                && candidate.weight > 0.0
+                && self.may_carry_force(candidate, memory)
+            {
+                self.keep_deepest(
+                    &mut side_state,
+                    candidate,
                     tooth,
-                    -fa.turned(bearing.outward),
+                    -fa.turned(candidate.outward),
                     approach,
                 );
             }
         });
-        touch
+        side_state
     }
 
     /// Return the velocity of the circle's centre relative to the profile's body at the same point \[m/s\]. Its component along the
@@ -150,22 +161,23 @@ impl CompiledContact {
         fb.velocity_at(center) - fa.velocity_at(center)
     }
 
-    fn deepen(
+    fn keep_deepest(
         &self,
-        touch: &mut Touch,
-        bearing: &Bearing,
+        side_state: &mut SideState,
+        candidate: &ContactPoint,
         tooth: Option<Tooth>,
-        normal: Vec2,
+        inward: Vec2,
         approach: Vec2,
     ) {
-        let penetration = self.radius - bearing.distance;
-        if penetration > touch.contact.penetration {
-            touch.contact = Contact {
-                normal,
+        let penetration = self.radius - candidate.distance;
+        if penetration > side_state.contact.penetration {
+            side_state.contact = Contact {
+                normal: inward,
                 penetration,
-                penetration_rate: normal.dot(&approach),
+                penetration_rate: inward.dot(&approach),
             };
-            (touch.piece, touch.place, touch.tooth) = (bearing.piece, bearing.place, tooth);
+            (side_state.piece, side_state.place, side_state.tooth) =
+                (candidate.piece, candidate.place, tooth);
         }
     }
 
@@ -194,56 +206,63 @@ impl CompiledContact {
         frames: &[Frame],
         memory: &[Memory],
         loads: &mut Loads,
-        touches: &mut [Touch],
+        side_states: &mut [SideState],
     ) -> [f64; 2] {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        for touch in touches.iter_mut().filter(|touch| touch.is_known()) {
-            *touch = Touch::default();
+        for side_state in side_states
+            .iter_mut()
+            .filter(|side_state| side_state.is_known())
+        {
+            *side_state = SideState::default();
         }
         let mut deepest = [f64::NEG_INFINITY, 0.0];
         let approach = self.approach(fa, fb);
-        self.bearings_near(self.local(fa, fb), |bearing, tooth| {
-            let (touch, memory) = (&mut touches[bearing.side], memory[bearing.side]);
-            if !self.bears(bearing, memory) {
+        self.contact_points_near(self.local(fa, fb), |candidate, tooth| {
+            let (side_state, memory) = (&mut side_states[candidate.side], memory[candidate.side]);
+            if !self.may_carry_force(candidate, memory) {
                 return;
             }
-            let normal = -fa.turned(bearing.outward);
-            let depth = self.radius - bearing.distance;
-            if bearing.weight > 0.0 {
-                self.deepen(touch, bearing, tooth, normal, approach);
+            // Into the material: the direction of growing penetration, as in `Contact`.
+            let inward = -fa.turned(candidate.outward);
+            let depth = self.radius - candidate.distance;
+            if candidate.weight > 0.0 {
+                self.keep_deepest(side_state, candidate, tooth, inward, approach);
                 if depth > deepest[0] {
-                    deepest = [depth, normal.dot(&approach)];
+                    deepest = [depth, inward.dot(&approach)];
                 }
             }
             if depth <= 0.0 {
                 return;
             }
-            let rate = normal.dot(&approach);
-            let force = self.pair(bearing, memory).force(depth, rate, memory.speed);
-            let energy = self.pair(bearing, memory).energy(depth);
-            touch.push -= bearing.weight * force.total * normal + energy * fa.turned(bearing.slope);
-            loads.elastic += bearing.weight * energy;
-            loads.dissipated += bearing.weight * (force.total - force.elastic) * rate;
+            let rate = inward.dot(&approach);
+            let force = self
+                .pair(candidate, memory)
+                .force(depth, rate, memory.speed);
+            let energy = self.pair(candidate, memory).energy(depth);
+            side_state.push -= candidate.weight * force.total * inward
+                + energy * fa.turned(candidate.weight_gradient);
+            loads.elastic += candidate.weight * energy;
+            loads.dissipated += candidate.weight * (force.total - force.elastic) * rate;
         });
         // The resultant of each side passes through the circle's centre.
         let center = fb.place(self.b.point);
-        for touch in touches
+        for side_state in side_states
             .iter_mut()
-            .filter(|touch| touch.push != Vec2::zeros())
+            .filter(|side_state| side_state.push != Vec2::zeros())
         {
-            touch.force = touch.push.norm();
-            loads.push(self.b.body, fb, center, touch.push);
-            loads.push(self.a.body, fa, center, -touch.push);
+            side_state.force = side_state.push.norm();
+            loads.push(self.b.body, fb, center, side_state.push);
+            loads.push(self.a.body, fa, center, -side_state.push);
         }
         deepest
     }
 
     /// Return the contact law at a contact point. A contact keeps the law of the piece on which it began.
-    pub(crate) fn pair(&self, bearing: &Bearing, memory: Memory) -> &Prepared {
-        &self.pairs[if memory.speed > 0.0 {
+    pub(crate) fn pair(&self, candidate: &ContactPoint, memory: Memory) -> &CompiledLaw {
+        &self.pairs[if memory.is_in_contact() {
             memory.piece
         } else {
-            bearing.piece
+            candidate.piece
         }]
     }
 
@@ -252,15 +271,15 @@ impl CompiledContact {
     pub(crate) fn apart(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Memory {
         let mut behind = false;
         if self.is_open() {
-            self.bearings(self.local(fa, fb), |bearing, _| {
-                behind |= bearing.side == side
-                    && match bearing.place {
+            self.contact_points(self.local(fa, fb), |candidate, _| {
+                behind |= candidate.side == side
+                    && match candidate.place {
                         Place::DeepAtEnd => false,
                         Place::Deep => true,
                         _ => {
-                            memory.speed < 0.0
-                                && bearing.weight > 0.0
-                                && bearing.distance < self.radius
+                            memory.is_behind()
+                                && candidate.weight > 0.0
+                                && candidate.distance < self.radius
                         }
                     };
             });
@@ -277,9 +296,9 @@ impl CompiledContact {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let mut depth = f64::NEG_INFINITY;
         if !self.is_open() {
-            self.bearings(self.local(fa, fb), |bearing, _| {
-                if bearing.weight > 0.0 {
-                    depth = depth.max(-bearing.distance);
+            self.contact_points(self.local(fa, fb), |candidate, _| {
+                if candidate.weight > 0.0 {
+                    depth = depth.max(-candidate.distance);
                 }
             });
         }
@@ -291,9 +310,10 @@ impl CompiledContact {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let mut behind = false;
         if self.is_open() {
-            self.bearings(self.local(fa, fb), |bearing, _| {
-                let comes_out = self.approach(fa, fb).dot(&fa.turned(bearing.outward)) > 0.0;
-                let deep = bearing.place == Place::Deep && -bearing.distance >= 0.5 * self.radius;
+            self.contact_points(self.local(fa, fb), |candidate, _| {
+                let comes_out = self.approach(fa, fb).dot(&fa.turned(candidate.outward)) > 0.0;
+                let deep =
+                    candidate.place == Place::Deep && -candidate.distance >= 0.5 * self.radius;
                 behind |= deep && !comes_out;
             });
         }

@@ -4,7 +4,7 @@ use nalgebra::Matrix2;
 
 use super::compiled_contact::CompiledContact;
 use super::contact_states::ContactStates;
-use super::impact_memory::{Memory, Touch};
+use super::impact_memory::{Memory, SideState};
 use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
@@ -23,33 +23,34 @@ impl CompiledContact {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let approach = self.approach(fa, fb);
         let local = self.local(fa, fb);
-        self.bearings(local, |bearing, _| {
-            let memory = memory[bearing.side];
-            let depth = self.radius - bearing.distance;
-            if depth <= 0.0 || !self.bears(bearing, memory) {
+        self.contact_points(local, |candidate, _| {
+            let memory = memory[candidate.side];
+            let depth = self.radius - candidate.distance;
+            if depth <= 0.0 || !self.may_carry_force(candidate, memory) {
                 return;
             }
-            let (n, slope) = (fa.turned(bearing.outward), fa.turned(bearing.slope));
-            let (law, rate) = (self.pair(bearing, memory), -n.dot(&approach));
+            let n = fa.turned(candidate.outward);
+            let gradient = fa.turned(candidate.weight_gradient);
+            let (law, rate) = (self.pair(candidate, memory), -n.dot(&approach));
             let [force, stiffness, damping] = law.slopes(depth, rate, memory.speed);
             let elastic = law.force(depth, rate, memory.speed).elastic;
             let energy = law.energy(depth);
-            let w = bearing.weight;
+            let w = candidate.weight;
             let bend = match self.outline {
-                Some(_) => bearing.bend,
-                None => self.profile().bend(local, self.radius, bearing.outward),
+                Some(_) => candidate.bend,
+                None => self.profile().bend(local, self.radius, candidate.outward),
             };
             let across = bend * (Matrix2::identity() - n * n.transpose());
             // The second derivative of the weight is neglected.
             let along = -stiffness * n - damping * (across * approach);
             let slopes = PairForce {
-                force: w * force * n - energy * slope,
+                force: w * force * n - energy * gradient,
                 by_place: w * (n * along.transpose() + force * across)
-                    + force * n * slope.transpose()
-                    + elastic * slope * n.transpose(),
+                    + force * n * gradient.transpose()
+                    + elastic * gradient * n.transpose(),
                 by_velocity: -w * damping * (n * n.transpose()),
             };
-            visit(bearing.side, &slopes);
+            visit(candidate.side, &slopes);
         });
     }
 }
@@ -57,9 +58,9 @@ impl CompiledContact {
 impl ContactStates {
     /// Return whether contact `k` may have a force: contacts without penetration and film have none.
     pub(crate) fn has_force(&self, model: &MechanismModel, k: usize) -> bool {
-        let touches = &self.touches[model.sides_of_contact[k].clone()];
-        let apart = |touch: &Touch| touch.contact.penetration <= 0.0;
-        model.contacts[k].film.is_some() || !touches.iter().all(apart)
+        let side_states = &self.side_states[model.sides_of_contact[k].clone()];
+        let apart = |side_state: &SideState| side_state.contact.penetration <= 0.0;
+        model.contacts[k].film.is_some() || !side_states.iter().all(apart)
     }
 
     /// Call `visit` with the derivatives of the normal force at each contact point of contact `k`, then with those of the friction of
@@ -75,7 +76,7 @@ impl ContactStates {
         let memory = &self.memory[sides.clone()];
         contact.slopes(frames, memory, |_, force| visit(force, None));
         if let Some(law) = &contact.friction {
-            for k in sides.clone().filter(|&k| self.touches[k].force > 0.0) {
+            for k in sides.clone().filter(|&k| self.side_states[k].force > 0.0) {
                 let mut push = PairForce::default();
                 contact.slopes(frames, memory, |side, part| {
                     if sides.start + side == k {

@@ -2,7 +2,7 @@
 
 use super::bristles::Bristles;
 use super::event_screening::ContactEnd;
-use super::impact_memory::{Memory, Touch};
+use super::impact_memory::{Memory, SideState};
 use crate::geometry::Vec2;
 use crate::multibody::description::body::Frame;
 use crate::multibody::forces::loads::Loads;
@@ -12,7 +12,7 @@ use crate::multibody::model::MechanismModel;
 #[derive(Debug, Clone)]
 pub(crate) struct ContactStates {
     /// State of each side of each contact at the last evaluation.
-    pub(crate) touches: Vec<Touch>,
+    pub(crate) side_states: Vec<SideState>,
     /// Memory of each side since its onset.
     pub(crate) memory: Vec<Memory>,
     /// Whether each contact is close enough to be evaluated; sides of others are not evaluated.
@@ -29,7 +29,7 @@ impl ContactStates {
     pub(crate) fn new(model: &MechanismModel) -> Self {
         let (sides, contacts) = (model.sides.len(), model.contacts.len());
         Self {
-            touches: vec![Touch::default(); sides],
+            side_states: vec![SideState::default(); sides],
             memory: vec![Memory::default(); sides],
             near: vec![true; contacts],
             deepest: vec![[f64::NEG_INFINITY, 0.0]; contacts],
@@ -49,24 +49,24 @@ impl ContactStates {
         let contacts = model.contacts.iter().zip(&model.sides_of_contact);
         let states = self.near.iter_mut().zip(&mut self.deepest);
         for ((contact, sides), (near, deepest)) in contacts.zip(states) {
-            let touches = &mut self.touches[sides.clone()];
+            let side_states = &mut self.side_states[sides.clone()];
             let apart = contact.apart_squared(frames);
             let was_near = std::mem::replace(near, apart <= contact.reach * contact.reach);
             if *near {
                 let memory = &self.memory[sides.clone()];
-                *deepest = contact.add(frames, memory, loads, touches);
+                *deepest = contact.add(frames, memory, loads, side_states);
                 if let Some(law) = &contact.friction {
                     let numbers = &model.bristle_of_side[sides.clone()];
-                    let to = (&mut *loads, &mut *touches);
+                    let to = (&mut *loads, &mut *side_states);
                     contact.add_friction(law, frames, numbers, &mut self.bristles, to);
                 }
                 if let Some(film) = &contact.film {
-                    contact.add_film(film, frames, loads, &mut touches[0]);
+                    contact.add_film(film, frames, loads, &mut side_states[0]);
                 }
             } else {
                 *deepest = [contact.outer_depth(apart), 0.0];
                 if was_near {
-                    touches.fill(Touch::default());
+                    side_states.fill(SideState::default());
                 }
             }
         }
@@ -84,9 +84,9 @@ impl ContactStates {
     pub(crate) fn pushes(&self, model: &MechanismModel) -> impl Iterator<Item = Vec2> {
         let contacts = model.sides_of_contact.iter();
         contacts.map(|sides| {
-            self.touches[sides.clone()]
+            self.side_states[sides.clone()]
                 .iter()
-                .map(|touch| touch.push + touch.friction)
+                .map(|side_state| side_state.push + side_state.friction)
                 .sum()
         })
     }
@@ -96,12 +96,16 @@ impl ContactStates {
         (model.sides_of_contact.iter())
             .zip(&self.near)
             .flat_map(|(sides, &near)| if near { sides.clone() } else { 0..0 })
-            .any(|k| (self.memory[k].speed > 0.0) != (self.touches[k].contact.penetration > 0.0))
+            .any(|k| {
+                self.memory[k].is_in_contact() != (self.side_states[k].contact.penetration > 0.0)
+            })
     }
 
     /// Return the bristles of all sides without contact at the last evaluation.
     pub(crate) fn parted_bristles(&self, model: &MechanismModel) -> impl Iterator<Item = usize> {
-        let sides = self.touches.iter().zip(&model.bristle_of_side);
-        sides.filter_map(|(touch, bristle)| bristle.filter(|_| touch.contact.penetration <= 0.0))
+        let sides = self.side_states.iter().zip(&model.bristle_of_side);
+        sides.filter_map(|(side_state, bristle)| {
+            bristle.filter(|_| side_state.contact.penetration <= 0.0)
+        })
     }
 }

@@ -141,9 +141,9 @@ impl CompiledContact {
     /// the contact's sides.
     fn depth_at(&self, place: Vec2, memory: &[Memory]) -> f64 {
         let mut depth = f64::NEG_INFINITY;
-        self.bearings(place, |bearing, _| {
-            if bearing.weight > 0.0 && self.bears(bearing, memory[bearing.side]) {
-                depth = depth.max(self.radius - bearing.distance);
+        self.contact_points(place, |candidate, _| {
+            if candidate.weight > 0.0 && self.may_carry_force(candidate, memory[candidate.side]) {
+                depth = depth.max(self.radius - candidate.distance);
             }
         });
         depth.max(-self.radius)

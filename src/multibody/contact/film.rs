@@ -8,7 +8,7 @@
 use nalgebra::Matrix2;
 
 use super::compiled_contact::CompiledContact;
-use super::impact_memory::Touch;
+use super::impact_memory::SideState;
 use crate::force_law::HingeFilm;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
@@ -64,7 +64,7 @@ impl CompiledContact {
         film: &HingeFilm,
         frames: &[Frame],
         loads: &mut Loads,
-        touch: &mut Touch,
+        side_state: &mut SideState,
     ) {
         let wet = self.wet(&frames[self.a.body], &frames[self.b.body]);
         let seen = wet.seen();
@@ -73,7 +73,7 @@ impl CompiledContact {
         let force = push * wet.axes[0] + drag * wet.axes[1];
         let shear = found.shear * wet.spin;
         self.add_wrench(frames, force, -0.5 * wet.eccentricity * drag - shear, loads);
-        touch.friction += force;
+        side_state.friction += force;
         // Dissipated power: S ω² - F·u.
         loads.dissipated += shear * wet.spin - (push * seen[0] + drag * seen[1]);
     }

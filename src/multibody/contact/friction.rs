@@ -9,7 +9,7 @@ use nalgebra::Matrix2;
 
 use super::bristles::{Bent, Bristles};
 use super::compiled_contact::CompiledContact;
-use super::impact_memory::Touch;
+use super::impact_memory::SideState;
 use crate::force_law::LuGre;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
@@ -97,18 +97,18 @@ impl CompiledContact {
         frames: &[Frame],
         numbers: &[Option<usize>],
         bristles: &mut Bristles,
-        (loads, touches): (&mut Loads, &mut [Touch]),
+        (loads, side_states): (&mut Loads, &mut [SideState]),
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        for (touch, number) in touches.iter_mut().zip(numbers) {
-            if touch.push == Vec2::zeros() {
+        for (side_state, number) in side_states.iter_mut().zip(numbers) {
+            if side_state.push == Vec2::zeros() {
                 continue;
             }
-            let at = self.sliding(touch.push, fa, fb);
+            let at = self.sliding(side_state.push, fa, fb);
             let share = share(law, at.slip, number.map(|i| bristles.bent(i)));
             let friction = at.normal_force * share.value;
             let force = -friction * at.tangent;
-            touch.friction += force;
+            side_state.friction += force;
             self.add_wrench(frames, force, self.radius * friction, loads);
             loads.dissipated += friction * at.slip;
             if let (FrictionLaw::LuGre(law), Some(i)) = (law, *number) {

@@ -21,7 +21,7 @@ pub(crate) struct Memory {
 
 /// Contact with one side of a profile at one state; the penetration is -∞ out of reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Touch {
+pub(crate) struct SideState {
     /// Normal, penetration and penetration rate at the point of largest penetration.
     pub(crate) contact: Contact,
     pub(crate) piece: usize,
@@ -36,7 +36,7 @@ pub(crate) struct Touch {
     pub(crate) friction: Vec2,
 }
 
-impl Default for Touch {
+impl Default for SideState {
     fn default() -> Self {
         Self {
             contact: Contact {
@@ -54,7 +54,7 @@ impl Default for Touch {
     }
 }
 
-impl Touch {
+impl SideState {
     /// Return whether the evaluation found a contact point or a force.
     pub(crate) fn is_known(&self) -> bool {
         self.contact.penetration > f64::NEG_INFINITY || self.push != Vec2::zeros()
@@ -62,6 +62,21 @@ impl Touch {
 }
 
 impl Memory {
+    /// Return whether the side had an onset and no contact end since.
+    pub(crate) fn is_in_contact(&self) -> bool {
+        self.speed > 0.0
+    }
+
+    /// Return whether the circle is behind an open outline.
+    pub(crate) fn is_behind(&self) -> bool {
+        self.speed < 0.0
+    }
+
+    /// Return whether there is no memory.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.speed == 0.0
+    }
+
     /// Memory of a circle behind an open outline that did not come through the surface.
     pub(crate) const BEHIND: Self = Self {
         speed: -1.0,

@@ -1,7 +1,7 @@
 //! Contact onsets and contact ends within a step, and the impact velocity memory of each side.
 
 use super::contact_states::ContactStates;
-use super::impact_memory::{Memory, Touch};
+use super::impact_memory::{Memory, SideState};
 use super::outline::Place;
 use crate::integrator::event_location::first_crossing;
 use crate::integrator::{Adams, Step};
@@ -69,7 +69,7 @@ pub(crate) struct StepMotion<'a> {
 
 impl StepMotion<'_> {
     /// Return the contact state of side `k` at time `t` \[s\].
-    fn side_at(&self, k: usize, t: f64) -> Touch {
+    fn side_at(&self, k: usize, t: f64) -> SideState {
         let model = self.model;
         let (contact, side) = model.sides[k];
         let contact = &model.contacts[contact];
@@ -90,21 +90,26 @@ impl StepMotion<'_> {
     fn speed_beside(&self, k: usize) -> Option<f64> {
         let (contact, _) = self.model.sides[k];
         let sides = self.model.sides_of_contact[contact].clone();
-        let speeds = sides
-            .filter(|&other| other != k)
-            .map(|other| self.memory_at_start[other].speed);
-        speeds.reduce(f64::max).filter(|&speed| speed > 0.0)
+        let others = sides.filter(|&other| other != k);
+        let others = others.map(|other| self.memory_at_start[other]);
+        let in_contact = others.filter(Memory::is_in_contact);
+        in_contact.map(|memory| memory.speed).reduce(f64::max)
     }
 }
 
 impl ContactStates {
     /// Set the memory of all contacts present at the last evaluation, with the present penetration rate as initial impact velocity.
     pub(crate) fn remember_present(&mut self, model: &MechanismModel, frames: &[Frame]) {
-        for k in 0..self.touches.len() {
-            let touch = self.touches[k];
-            if touch.contact.penetration > 0.0 {
-                self.begin_contact(model, k, touch.piece, touch.contact.penetration_rate);
-                self.note_place(k, touch.place);
+        for k in 0..self.side_states.len() {
+            let side_state = self.side_states[k];
+            if side_state.contact.penetration > 0.0 {
+                self.begin_contact(
+                    model,
+                    k,
+                    side_state.piece,
+                    side_state.contact.penetration_rate,
+                );
+                self.note_place(k, side_state.place);
             } else {
                 self.memory[k] = self.apart(k, model, frames);
             }
@@ -121,13 +126,13 @@ impl ContactStates {
                 continue;
             }
             for k in sides {
-                let touch = self.touches[k];
-                if touch.contact.penetration > 0.0 {
+                let side_state = self.side_states[k];
+                if side_state.contact.penetration > 0.0 {
                     // Penetration without memory: the contact began within the step.
-                    if self.memory[k].speed <= 0.0 {
-                        self.find_onset(k, touch.contact.penetration, motion, step, onsets);
+                    if !self.memory[k].is_in_contact() {
+                        self.find_onset(k, side_state.contact.penetration, motion, step, onsets);
                     }
-                    self.note_place(k, touch.place);
+                    self.note_place(k, side_state.place);
                 } else if contact.is_open() {
                     self.memory[k] = self.apart(k, motion.model, motion.frames);
                 } else {
@@ -189,22 +194,22 @@ impl ContactStates {
     pub(crate) fn roll_back(&mut self, motion: &StepMotion, t: f64, onsets: &mut Onsets) {
         let (model, at_end) = (motion.model, t == motion.adams.time());
         for k in 0..self.memory.len() {
-            let touch = self.touches[k];
+            let side_state = self.side_states[k];
             let before = motion.memory_at_start[k];
-            let remembers = self.memory[k].speed > 0.0;
-            if touch.contact.penetration > 0.0 {
-                if !remembers && before.speed > 0.0 {
+            let remembers = self.memory[k].is_in_contact();
+            if side_state.contact.penetration > 0.0 {
+                if !remembers && before.is_in_contact() {
                     self.memory[k] = before;
                 } else if !remembers {
                     // A contact that began and ended within the step.
-                    let rate = touch.contact.penetration_rate;
-                    self.begin_contact(model, k, touch.piece, rate);
-                    self.note_place(k, touch.place);
+                    let rate = side_state.contact.penetration_rate;
+                    self.begin_contact(model, k, side_state.piece, rate);
+                    self.note_place(k, side_state.place);
                     onsets.count += 1;
                 }
                 continue;
             }
-            if remembers && before.speed <= 0.0 {
+            if remembers && !before.is_in_contact() {
                 onsets.count = onsets.count.saturating_sub(1);
             }
             if !at_end {

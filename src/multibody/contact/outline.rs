@@ -21,7 +21,7 @@ const NEAR: f64 = 2.0;
 
 /// A candidate contact point: a local minimum or maximum of the distance between a profile and the centre of a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Bearing {
+pub(crate) struct ContactPoint {
     /// Distance of the circle's centre from the surface \[m\], negative inside the material.
     pub(crate) distance: f64,
     /// Unit vector out of the material, the gradient of the distance.
@@ -33,7 +33,7 @@ pub(crate) struct Bearing {
     /// Weight in force and energy; negative for a local maximum of the distance.
     pub(crate) weight: f64,
     /// Gradient of the weight \[1/m\].
-    pub(crate) slope: Vec2,
+    pub(crate) weight_gradient: Vec2,
     /// Rotation of the outward direction per displacement of the centre along the surface \[1/m\]: one over its distance from
     /// the centre of curvature, negative where that centre lies in front of the surface.
     pub(crate) bend: f64,
@@ -138,26 +138,36 @@ impl Outline {
     }
 
     /// Call `visit` with every candidate contact point of a circle of `radius` around `point`, at any distance.
-    pub(crate) fn bearings(&self, point: Vec2, radius: f64, visit: impl FnMut(&Bearing)) {
-        self.bearings_within(f64::INFINITY, point, radius, visit);
+    pub(crate) fn contact_points(
+        &self,
+        point: Vec2,
+        radius: f64,
+        visit: impl FnMut(&ContactPoint),
+    ) {
+        self.contact_points_within(f64::INFINITY, point, radius, visit);
     }
 
     /// Call `visit` with the contact points that are needed for forces. On a closed outline points farther than [`NEAR`] radii are
     /// left out if any point is nearer.
-    pub(crate) fn bearings_near(&self, point: Vec2, radius: f64, mut visit: impl FnMut(&Bearing)) {
+    pub(crate) fn contact_points_near(
+        &self,
+        point: Vec2,
+        radius: f64,
+        mut visit: impl FnMut(&ContactPoint),
+    ) {
         let limit = if self.closed {
             NEAR * radius
         } else {
             f64::INFINITY
         };
         let mut none = true;
-        self.bearings_within(limit, point, radius, |bearing| {
+        self.contact_points_within(limit, point, radius, |candidate| {
             none = false;
-            visit(bearing);
+            visit(candidate);
         });
         // A centre that is far from the whole outline may be deep in the material.
         if none && self.closed {
-            self.bearings(point, radius, visit);
+            self.contact_points(point, radius, visit);
         }
     }
 
@@ -165,12 +175,12 @@ impl Outline {
     ///
     /// A local maximum with a force lies between local minima that are nearer still: the limit excludes none of them. The sign of the
     /// distance's derivative along the outline changes at an extremum: inside a part, or from one part to the next in a corner.
-    fn bearings_within(
+    fn contact_points_within(
         &self,
         limit: f64,
         point: Vec2,
         radius: f64,
-        mut visit: impl FnMut(&Bearing),
+        mut visit: impl FnMut(&ContactPoint),
     ) {
         let farthest = limit * limit;
         let mut found = Found::default();
@@ -203,9 +213,9 @@ impl Outline {
             descending = part.descends(point);
             // Extremum inside the part.
             if starts != descending {
-                let bearing = part.inside(point, starts);
-                if bearing.distance.abs() <= limit {
-                    found.add(starts, bearing, radius, &mut visit);
+                let candidate = part.inside(point, starts);
+                if candidate.distance.abs() <= limit {
+                    found.add(starts, candidate, radius, &mut visit);
                 }
             }
         }
@@ -237,31 +247,31 @@ impl Part {
     }
 
     /// Return the local minimum (or maximum) of the distance inside the part.
-    fn inside(&self, point: Vec2, least: bool) -> Bearing {
+    fn inside(&self, point: Vec2, least: bool) -> ContactPoint {
         let Some(center) = self.piece.center else {
             let outward = -turned_left(self.tangents[0]);
-            return self.bearing((point - self.piece.from).dot(&outward), outward, 0.0);
+            return self.contact_point((point - self.piece.from).dot(&outward), outward, 0.0);
         };
         let arm = point - center;
         let length = arm.norm();
         let direction = direction(arm, length);
         match (least, self.piece.convex) {
-            (true, true) => self.bearing(length - self.radius, direction, 1.0 / length),
-            (true, false) => self.bearing(self.radius - length, -direction, -1.0 / length),
-            (false, false) => self.bearing(self.radius + length, direction, 1.0 / length),
+            (true, true) => self.contact_point(length - self.radius, direction, 1.0 / length),
+            (true, false) => self.contact_point(self.radius - length, -direction, -1.0 / length),
+            (false, false) => self.contact_point(self.radius + length, direction, 1.0 / length),
             // The far side of a convex arc faces away from the circle: it has no force.
-            (false, true) => self.bearing(f64::INFINITY, direction, 0.0),
+            (false, true) => self.contact_point(f64::INFINITY, direction, 0.0),
         }
     }
 
-    fn bearing(&self, distance: f64, outward: Vec2, bend: f64) -> Bearing {
-        Bearing {
+    fn contact_point(&self, distance: f64, outward: Vec2, bend: f64) -> ContactPoint {
+        ContactPoint {
             distance,
             outward,
             piece: self.number,
             side: self.side,
             weight: 1.0,
-            slope: Vec2::zeros(),
+            weight_gradient: Vec2::zeros(),
             bend,
             place: Place::Front,
         }
@@ -277,11 +287,11 @@ fn direction(vector: Vec2, length: f64) -> Vec2 {
 }
 
 /// Return a corner as a local minimum or maximum of the distance; the distance is negative behind the corner.
-fn at_corner(before: &Part, part: &Part, arm: Vec2) -> Bearing {
+fn at_corner(before: &Part, part: &Part, arm: Vec2) -> ContactPoint {
     let distance = arm.norm();
     let outward = -turned_left(before.tangents[1] + part.tangents[0]);
     let side = if arm.dot(&outward) >= 0.0 { 1.0 } else { -1.0 };
-    part.bearing(
+    part.contact_point(
         side * distance,
         side * direction(arm, distance),
         side / distance,

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::SQRT_2;
 
 use super::compiled_contact::CompiledContact;
-use super::impact_memory::Touch;
+use super::impact_memory::SideState;
 use super::outline::Place;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
@@ -44,13 +44,13 @@ impl ContactBodies {
     }
 
     /// Return whether no circle moves by [`FARTHEST`] radii relative to its profile within a time \[s\], by the present velocities and
-    /// accelerations. `rates` returns the accelerations of a body.
+    /// accelerations. `accelerations` returns those of a body.
     ///
     /// The bound is that of [`CompiledContact::free_time`] with the largest motion of any profile and of any circle.
     pub(crate) fn stay_close(
         &self,
         frames: &[Frame],
-        rates: impl Fn(usize) -> [f64; 3],
+        accelerations: impl Fn(usize) -> [f64; 3],
         within: f64,
     ) -> bool {
         let far = |body: &usize| frames[*body].origin.abs().sum();
@@ -59,7 +59,7 @@ impl ContactBodies {
         // Largest displacement by one body at a distance from its centre of mass. √2: sums of absolute components exceed norms by
         // that factor.
         let displacement = |body: usize, distance: f64| {
-            let (frame, [x, y, spin]) = (&frames[body], rates(body));
+            let (frame, [x, y, spin]) = (&frames[body], accelerations(body));
             let arm = SQRT_2 * distance;
             let speed = frame.velocity.abs().sum() + frame.spin.abs() * arm;
             let turning = (spin.abs() + frame.spin * frame.spin) * arm;
@@ -96,9 +96,9 @@ impl MechanismDynamics {
         }
         let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
         let times = contacts.map(|(contact, sides)| {
-            let touches = &self.contacts.touches[sides.clone()];
+            let side_states = &self.contacts.side_states[sides.clone()];
             let of_pair = contact.accelerations_of_bodies(model, accelerations);
-            contact.free_time(&self.frames, of_pair, touches, within)
+            contact.free_time(&self.frames, of_pair, side_states, within)
         });
         times.fold(longest, f64::min)
     }
@@ -117,53 +117,59 @@ impl CompiledContact {
     /// Return the time \[s\] in which the circle moves through its gap, or through [`FARTHEST`] radii if the gap is smaller.
     ///
     /// Speed and acceleration are relative to the profile. The time is infinite if it is clearly longer than `within` \[s\].
-    /// `touches` are those of the last evaluation.
+    /// `side_states` are those of the last evaluation.
     pub(crate) fn free_time(
         &self,
         frames: &[Frame],
-        rates: [[f64; 3]; 2],
-        touches: &[Touch],
+        accelerations: [[f64; 3]; 2],
+        side_states: &[SideState],
         within: f64,
     ) -> f64 {
-        let (speed, acceleration) = self.relative_motion(frames, rates);
+        let (speed, acceleration) = self.relative_motion(frames, accelerations);
         let least = FARTHEST * self.radius;
         // The sum of the absolute components is an upper bound of the norm, without square roots.
         let farthest = within * (speed.abs().sum() + 0.5 * within * acceleration.abs().sum());
         if farthest < least {
             return f64::INFINITY;
         }
-        let way = self.gap(frames, touches).max(least);
+        let way = self.gap(frames, side_states).max(least);
         let (speed, acceleration) = (speed.norm(), acceleration.norm());
         // Root t of s = v t + a t²/2 in a form without cancellation: t = 2 s/(v + √(v² + 2 a s)).
         2.0 * way / (speed + (speed * speed + 2.0 * acceleration * way).sqrt())
     }
 
     /// Return the gap between circle and profile \[m\]; negative in contact.
-    fn gap(&self, frames: &[Frame], touches: &[Touch]) -> f64 {
+    fn gap(&self, frames: &[Frame], side_states: &[SideState]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm();
         if apart > self.reach {
             return apart - self.reach;
         }
         if !self.is_open() {
-            let depths = touches.iter().map(|touch| touch.contact.penetration);
+            let depths = side_states
+                .iter()
+                .map(|side_state| side_state.contact.penetration);
             return -depths.fold(f64::NEG_INFINITY, f64::max);
         }
         // An open outline has a back: points without a force limit the step too, and behind the surface the gap is that to the back.
         let mut gap = f64::INFINITY;
-        self.bearings(self.local(fa, fb), |bearing, _| {
-            if bearing.place == Place::Deep {
-                gap = gap.min(-bearing.distance - self.radius);
-            } else if bearing.weight > 0.0 && bearing.place != Place::DeepAtEnd {
-                gap = gap.min(bearing.distance - self.radius);
+        self.contact_points(self.local(fa, fb), |candidate, _| {
+            if candidate.place == Place::Deep {
+                gap = gap.min(-candidate.distance - self.radius);
+            } else if candidate.weight > 0.0 && candidate.place != Place::DeepAtEnd {
+                gap = gap.min(candidate.distance - self.radius);
             }
         });
         gap
     }
 
     /// Return velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre relative to the material point of the profile's body
-    /// at the same place. `rates` are the accelerations of bodies a and b \[m/s², m/s², rad/s²\].
-    pub(crate) fn relative_motion(&self, frames: &[Frame], rates: [[f64; 3]; 2]) -> (Vec2, Vec2) {
+    /// at the same place. `accelerations` are those of bodies a and b \[m/s², m/s², rad/s²\].
+    pub(crate) fn relative_motion(
+        &self,
+        frames: &[Frame],
+        accelerations: [[f64; 3]; 2],
+    ) -> (Vec2, Vec2) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let center = fb.place(self.b.point);
         let speed = fb.velocity_at(center) - fa.velocity_at(center);
@@ -172,7 +178,7 @@ impl CompiledContact {
             let arm = center - frame.origin;
             Vec2::new(x, y) + spin * turned_left(arm) - frame.spin * frame.spin * arm
         };
-        let acceleration = accelerated(fb, rates[1]) - accelerated(fa, rates[0]);
+        let acceleration = accelerated(fb, accelerations[1]) - accelerated(fa, accelerations[0]);
         (speed, acceleration)
     }
 }

@@ -101,7 +101,7 @@ impl ContactLaw {
         field: &str,
         radius: f64,
         curvature: Curvature,
-    ) -> Result<Prepared> {
+    ) -> Result<CompiledLaw> {
         let (elastic, damping) = match self {
             Self::Linear { stiffness, damping } => (
                 ElasticPair::power(*stiffness, 1.0),
@@ -133,7 +133,7 @@ impl ContactLaw {
                 )
             }
         };
-        Ok(Prepared { elastic, damping })
+        Ok(CompiledLaw { elastic, damping })
     }
 }
 
@@ -176,7 +176,7 @@ enum DampingPart {
 
 /// A law with the constants of one pair of surfaces.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Prepared {
+pub(crate) struct CompiledLaw {
     elastic: ElasticPair,
     damping: DampingPart,
 }
@@ -188,7 +188,7 @@ pub(crate) struct ContactForce {
     pub(crate) elastic: f64,
 }
 
-impl Prepared {
+impl CompiledLaw {
     /// Return the force at penetration δ \[m\] and rate δ' \[m/s\]; `onset` is the initial impact velocity \[m/s\], zero without memory.
     pub(crate) fn force(&self, penetration: f64, rate: f64, onset: f64) -> ContactForce {
         if penetration <= 0.0 {

@@ -1,19 +1,19 @@
 //! Local minima and maxima of the distance in their order along an outline, and the contact points among them.
 
-use super::{Bearing, Part, Place, direction};
+use super::{ContactPoint, Part, Place, direction};
 use crate::geometry::Vec2;
 
 /// The extrema found so far along an outline.
 #[derive(Default)]
 pub(super) struct Found {
-    first_least: Option<Bearing>,
-    last_least: Option<Bearing>,
+    first_least: Option<ContactPoint>,
+    last_least: Option<ContactPoint>,
     /// The local maximum before the first local minimum of a closed outline.
-    leading: Option<Bearing>,
+    leading: Option<ContactPoint>,
     /// The local maximum after the last local minimum; the next local minimum is not yet found.
-    pending: Option<Bearing>,
+    pending: Option<ContactPoint>,
     /// The nearest local minimum with the circle's centre behind the surface.
-    deep: Option<Bearing>,
+    deep: Option<ContactPoint>,
     /// Smallest distance of the local minima with the circle's centre in front of the surface \[m\].
     nearest: Option<f64>,
 }
@@ -23,35 +23,35 @@ impl Found {
     pub(super) fn add(
         &mut self,
         least: bool,
-        bearing: Bearing,
+        candidate: ContactPoint,
         radius: f64,
-        visit: &mut impl FnMut(&Bearing),
+        visit: &mut impl FnMut(&ContactPoint),
     ) {
         if !least {
             if self.last_least.is_some() {
-                self.pending = Some(bearing);
+                self.pending = Some(candidate);
             } else {
-                self.leading = Some(bearing);
+                self.leading = Some(candidate);
             }
             return;
         }
         if let (Some(greatest), Some(before)) = (self.pending.take(), self.last_least) {
-            between(&before, &greatest, &bearing, radius, visit);
+            between(&before, &greatest, &candidate, radius, visit);
         }
-        self.last_least = Some(bearing);
-        self.first_least.get_or_insert(bearing);
+        self.last_least = Some(candidate);
+        self.first_least.get_or_insert(candidate);
         // Each minimum in front of the surface is a contact point. Of those behind the surface only the nearest is kept.
-        if bearing.distance >= 0.0 {
+        if candidate.distance >= 0.0 {
             self.nearest = Some(
                 self.nearest
-                    .map_or(bearing.distance, |n| n.min(bearing.distance)),
+                    .map_or(candidate.distance, |n| n.min(candidate.distance)),
             );
-            visit(&bearing);
+            visit(&candidate);
         } else if self
             .deep
-            .is_none_or(|deep| deep.distance < bearing.distance)
+            .is_none_or(|deep| deep.distance < candidate.distance)
         {
-            self.deep = Some(bearing);
+            self.deep = Some(candidate);
         }
     }
 
@@ -65,38 +65,38 @@ impl Found {
         arm: Vec2,
         away: Vec2,
         front: Vec2,
-        visit: &mut impl FnMut(&Bearing),
+        visit: &mut impl FnMut(&ContactPoint),
     ) {
         let distance = arm.norm();
-        let mut bearing = part.bearing(distance, direction(arm, distance), 1.0 / distance);
+        let mut candidate = part.contact_point(distance, direction(arm, distance), 1.0 / distance);
         let height = arm.dot(&front);
-        bearing.place = Place::EndFront;
+        candidate.place = Place::EndFront;
         if height < 0.0 {
             let (along, square) = (arm.dot(&away).max(0.0), distance * distance);
-            bearing.place = Place::EndBack;
-            bearing.weight = along * along / square;
-            bearing.slope = (away - along / square * arm) * (2.0 * along / square);
-            visit(&Bearing {
+            candidate.place = Place::EndBack;
+            candidate.weight = along * along / square;
+            candidate.weight_gradient = (away - along / square * arm) * (2.0 * along / square);
+            visit(&ContactPoint {
                 distance: height,
                 outward: front,
-                weight: 1.0 - bearing.weight,
-                slope: -bearing.slope,
+                weight: 1.0 - candidate.weight,
+                weight_gradient: -candidate.weight_gradient,
                 bend: 0.0,
                 place: Place::DeepAtEnd,
-                ..bearing
+                ..candidate
             });
         }
         if let (Some(greatest), Some(before)) = (self.pending.take(), self.last_least) {
-            between(&before, &greatest, &bearing, f64::INFINITY, visit);
+            between(&before, &greatest, &candidate, f64::INFINITY, visit);
         }
-        self.last_least = Some(bearing);
-        self.first_least.get_or_insert(bearing);
+        self.last_least = Some(candidate);
+        self.first_least.get_or_insert(candidate);
         self.nearest = Some(self.nearest.map_or(distance, |n| n.min(distance)));
-        visit(&bearing);
+        visit(&candidate);
     }
 
     /// Call `visit` with the last maximum of a closed outline and with the minimum behind the surface, if the centre is in the material.
-    pub(super) fn finish(self, radius: f64, visit: &mut impl FnMut(&Bearing)) {
+    pub(super) fn finish(self, radius: f64, visit: &mut impl FnMut(&ContactPoint)) {
         if let (Some(first), Some(last)) = (self.first_least, self.last_least)
             && let Some(greatest) = self.pending.or(self.leading)
         {
@@ -106,7 +106,7 @@ impl Found {
         if let Some(deep) = self.deep
             && self.nearest.is_none_or(|nearest| -deep.distance <= nearest)
         {
-            visit(&Bearing {
+            visit(&ContactPoint {
                 place: Place::Deep,
                 ..deep
             });
@@ -119,11 +119,11 @@ impl Found {
 /// Let d₁ and d₂ be the differences between the maximum and the minima before and after it. The weights are -d₂/(d₁ + d₂) for the
 /// piece before and -d₁/(d₁ + d₂) for the piece after: a minimum that merges with the maximum cancels it.
 fn between(
-    before: &Bearing,
-    greatest: &Bearing,
-    after: &Bearing,
+    before: &ContactPoint,
+    greatest: &ContactPoint,
+    after: &ContactPoint,
     radius: f64,
-    visit: &mut impl FnMut(&Bearing),
+    visit: &mut impl FnMut(&ContactPoint),
 ) {
     // A maximum farther than the radius has no force.
     if !(0.0..radius).contains(&greatest.distance) {
@@ -134,21 +134,21 @@ fn between(
         (greatest.distance - before.distance).max(0.0),
     );
     let sum = to_after + to_before;
-    let (mut share, mut slope) = (0.5, Vec2::zeros());
+    let (mut share, mut gradient) = (0.5, Vec2::zeros());
     if sum > 0.0 {
         share = to_after / sum;
         let slopes = (
             greatest.outward - after.outward,
             greatest.outward - before.outward,
         );
-        slope = (to_before * slopes.0 - to_after * slopes.1) / (sum * sum);
+        gradient = (to_before * slopes.0 - to_after * slopes.1) / (sum * sum);
     }
-    for (of, weight, slope) in [(before, share, slope), (after, 1.0 - share, -slope)] {
-        visit(&Bearing {
+    for (of, weight, gradient) in [(before, share, gradient), (after, 1.0 - share, -gradient)] {
+        visit(&ContactPoint {
             piece: of.piece,
             side: of.side,
             weight: -weight,
-            slope: -slope,
+            weight_gradient: -gradient,
             ..*greatest
         });
     }

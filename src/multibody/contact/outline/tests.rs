@@ -18,14 +18,14 @@ fn polyline(points: &[(f64, f64)], closed: bool) -> Vec<Piece> {
 /// Return energy and force of all contact points for the energy δ^2.5/2.5 and the force δ^1.5.
 fn sum(outline: &Outline, point: Vec2, radius: f64) -> (f64, Vec2) {
     let (mut energy, mut force) = (0.0, Vec2::zeros());
-    outline.bearings(point, radius, |b| {
+    outline.contact_points(point, radius, |b| {
         let depth = (radius - b.distance).max(0.0);
         // A circle behind an open outline is not in contact here: it did not come through the surface.
         let behind = outline.is_open() && b.place == Place::Deep;
         if b.place != Place::DeepAtEnd && !behind {
             let stored = depth.powf(2.5) / 2.5;
             energy += b.weight * stored;
-            force += b.weight * depth.powf(1.5) * b.outward - stored * b.slope;
+            force += b.weight * depth.powf(1.5) * b.outward - stored * b.weight_gradient;
         }
     });
     (energy, force)
@@ -47,8 +47,9 @@ fn roughness(outline: &Outline, radius: f64, way: impl Fn(f64) -> Vec2) -> (f64,
         if k % 100 == 0 {
             let h = 1e-6;
             let at = |x: f64, y: f64| sum(outline, point + Vec2::new(x, y), radius).0;
-            let slope = Vec2::new(at(h, 0.0) - at(-h, 0.0), at(0.0, h) - at(0.0, -h)) / (2.0 * h);
-            wrong = wrong.max((slope + force).norm());
+            let gradient =
+                Vec2::new(at(h, 0.0) - at(-h, 0.0), at(0.0, h) - at(0.0, -h)) / (2.0 * h);
+            wrong = wrong.max((gradient + force).norm());
         }
     }
     (jump, wrong)
@@ -66,7 +67,7 @@ fn in_a_corner_both_sides_bear() {
     );
     assert_eq!(outline.sides(), 2);
     let (mut sides, point) = (Vec::new(), Vec2::new(0.4, 0.3));
-    outline.bearings(point, 0.5, |b| {
+    outline.contact_points(point, 0.5, |b| {
         if b.distance < 0.5 {
             sides.push((b.side, b.distance, b.weight));
         }
@@ -248,7 +249,7 @@ fn forces_ask_for_near_places_and_get_what_all_give() {
         polyline(&hole, true),
         vec![arc(1.0, -1.0), arc(-1.0, 1.0)],
     ];
-    let (mut bearing, mut deep) = (0, 0);
+    let (mut candidate, mut deep) = (0, 0);
     for pieces in outlines {
         for radius in [0.05, 0.3, 1.5] {
             let outline = Outline::new(&pieces, true, radius);
@@ -256,17 +257,17 @@ fn forces_ask_for_near_places_and_get_what_all_give() {
                 let point =
                     2.0 * Vec2::new((0.7 * f64::from(k)).sin(), (0.011 * f64::from(k)).cos());
                 let mut all = Vec::new();
-                outline.bearings(point, radius, |b| all.push(*b));
+                outline.contact_points(point, radius, |b| all.push(*b));
                 let mut near = Vec::new();
-                outline.bearings_near(point, radius, |b| near.push(*b));
-                let bears = |b: &Bearing| b.distance < radius;
+                outline.contact_points_near(point, radius, |b| near.push(*b));
+                let bears = |b: &ContactPoint| b.distance < radius;
                 all.retain(bears);
                 near.retain(bears);
                 assert_eq!(all, near, "{point:?}, {radius}");
-                bearing += all.len();
+                candidate += all.len();
                 deep += usize::from(all.iter().any(|b| b.distance < -NEAR * radius));
             }
         }
     }
-    assert!(bearing > 10_000 && deep > 1000, "{bearing} {deep}");
+    assert!(candidate > 10_000 && deep > 1000, "{candidate} {deep}");
 }
