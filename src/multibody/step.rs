@@ -135,19 +135,31 @@ impl MechanismDynamics {
         let mut state = std::mem::take(&mut self.work.inside);
         self.state_at(adams, t, &mut state);
         (self.projector()).project(t, &mut state, ITERATIONS, AtHand::Nothing);
-        // A circle that left the back of an open outline in this step was still behind it before the step's end.
-        let out = |k: usize| self.step.memory[k] == Memory::BEHIND && t < adams.time();
-        let memory = &mut self.contacts.memory;
-        let out: Vec<usize> = (0..memory.len()).filter(|&k| out(k)).collect();
-        let kept: Vec<Memory> = out.iter().map(|&k| memory[k]).collect();
-        for &k in &out {
-            memory[k] = Memory::BEHIND;
-        }
+        let replaced = self.restore_memory(adams, t);
         self.evaluate(t, &state);
-        for (k, memory) in out.into_iter().zip(kept) {
+        for (k, memory) in replaced {
             self.contacts.memory[k] = memory;
         }
         self.work.inside = state;
+    }
+
+    /// For `t` before the end of the last step: set the memory of contacts that ended in the step, and of circles that left the back of an
+    /// open outline in it, to that at its start. Return the sides changed, with what they had.
+    ///
+    /// The memory at the end of the step has neither. Without it, damping by the minimum impact velocity would cancel the force.
+    pub(super) fn restore_memory(&mut self, adams: &Adams, t: f64) -> Vec<(usize, Memory)> {
+        if t >= adams.time() {
+            return Vec::new();
+        }
+        let sides = self.contacts.memory.iter_mut().zip(&self.step.memory);
+        let lost = |now: &Memory, before: &Memory| {
+            before.is_behind() || before.is_in_contact() && !now.is_in_contact()
+        };
+        sides
+            .enumerate()
+            .filter(|(_, (now, before))| lost(now, before))
+            .map(|(k, (now, before))| (k, std::mem::replace(now, *before)))
+            .collect()
     }
 
     /// Evaluate the right-hand side at the integrator's `y` and discard the derivative.

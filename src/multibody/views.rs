@@ -95,14 +95,16 @@ impl MechanismDynamics {
         ]
     }
 
-    /// Evaluate everything at the last state with other positions, velocities and time. Given positions clear the memory of all
-    /// contacts.
+    /// Evaluate everything at time `t` at the last state, which is that at `now` in the last step, with other positions and velocities.
+    /// Given positions clear the memory of all contacts; without them, it becomes that at `now`.
     pub(crate) fn evaluate_with(
         &mut self,
+        (adams, now): (&Adams, f64),
         positions: Option<&[[f64; 3]]>,
         velocities: Option<&[[f64; 3]]>,
         t: f64,
     ) {
+        self.restore_memory(adams, now);
         let mut state = self.model.read_state(&self.frames);
         let n = self.model.coordinates();
         for (given, begin) in [(positions, 0), (velocities, n)] {

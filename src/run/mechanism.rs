@@ -117,7 +117,7 @@ impl Simulation<MechanismDynamics> {
         self.system.evaluate_inside(&self.adams, self.now);
         let mut dynamics = self.system.clone();
         let time = time.unwrap_or(self.now);
-        dynamics.evaluate_with(positions, velocities, time);
+        dynamics.evaluate_with((&self.adams, self.now), positions, velocities, time);
         Ok(row_of(&mut dynamics, time, MechanismGroups::ALL))
     }
 }

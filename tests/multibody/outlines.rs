@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use crate::common::mechanisms::{GRAVITY, Rows, control, ground, record, simulation};
+use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::Vec2;
+use rustchain::integrator::{Corrector, StepControl};
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
     Piece, Profile, SpringLaw, Tribology,
@@ -82,7 +84,7 @@ fn a_ball_in_a_corner_rests_on_both_sides() {
 fn a_side_that_is_hit_remembers_its_own_onset() {
     // Rests on the floor, is driven against the wall: the restitution there is the law's, whatever the floor remembers.
     let law = ContactLaw::Surfaces {
-        law: rustchain::force_law::ForceLaw::default(),
+        law: ForceLaw::default(),
         contact_modulus: 1e11,
         restitution: 0.9,
         length: 0.01,
@@ -103,6 +105,53 @@ fn a_side_that_is_hit_remembers_its_own_onset() {
     );
     assert!(wall < -0.8, "{wall}");
     assert!((both - wall).abs() < 1e-3, "{both} {wall}");
+}
+
+#[test]
+fn rows_within_the_step_in_which_a_contact_ends_have_its_damping() {
+    // A ball without weight on a disc: f = K δ (1 + λ δ'/δ'₀) until δ = 0, with the speed δ'₀ of its approach.
+    let (stiffness, restitution, speed) = (1e6, 0.5, 0.5);
+    let elastic = Elastic::Linear(stiffness);
+    let damping = Damping::LankaraniNikravesh;
+    let law = ContactLaw::Surfaces {
+        law: ForceLaw {
+            elastic,
+            damping,
+            regions: Regions::Kept,
+        },
+        contact_modulus: 1e11,
+        restitution,
+        length: 0.01,
+        min_approach_speed: 1e-3,
+    };
+    let lambda = 0.75 * (1.0 - restitution * restitution);
+    let disc = Profile::Disc { radius: 0.2 };
+    let mut mechanism = ball(disc, law, (0.0, 0.3001));
+    mechanism.gravity = Vec2::zeros();
+    mechanism.bodies[0].velocity[1] = -speed;
+    for corrector in [Corrector::Pece, Corrector::Newton] {
+        let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
+        let control = StepControl {
+            corrector,
+            ..control(1e-6, 0.01)
+        };
+        let mut machine = MechanismSimulation::assemble(model, control).unwrap();
+        let recording = record(&mut machine, 4e-3, 1e-6);
+        let rows = recording.contact_force().iter().enumerate();
+        let mut rebounding = 0;
+        for (row, force) in rows {
+            let height = recording.positions()[3 * row + 1];
+            let rate = -recording.velocities()[3 * row + 1];
+            let elastic = stiffness * (0.3 - height).max(0.0);
+            let expected = elastic * (1.0 + lambda * rate / speed);
+            assert!(
+                (force - expected).abs() <= 1e-6 * (1.0 + expected),
+                "{corrector:?} {row}: {force} {expected}"
+            );
+            rebounding += usize::from(elastic > 0.0 && rate < 0.0);
+        }
+        assert!(rebounding > 500, "{rebounding}");
+    }
 }
 
 #[test]
@@ -175,7 +224,7 @@ fn a_disc_that_is_larger_than_an_arc_rests_on_its_flanks() {
     for law in [
         linear(300.0),
         ContactLaw::Surfaces {
-            law: rustchain::force_law::ForceLaw::default(),
+            law: ForceLaw::default(),
             contact_modulus: 1e9,
             restitution: 0.5,
             length: 0.01,
