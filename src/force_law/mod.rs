@@ -195,6 +195,15 @@ impl Default for ForceLaw {
     }
 }
 
+/// Return the radius \[m\] that stands for straight surface `i` of a profile in laws that need one: that of the convex arc that continues
+/// it, or the pitch radius. An arc of less than the `radius` of the cylinder is an edge, which is not a curve that continues the flat.
+pub(crate) fn radius_beside_flat(profile: &ToothProfile, i: usize, radius: f64) -> f64 {
+    match profile.surfaces().get(i + 1).map(|next| next.curve) {
+        Some(SurfaceCurve::Convex(arc)) if arc.radius >= radius => arc.radius,
+        _ => profile.pitch_radius,
+    }
+}
+
 /// A cylinder of `radius` against every surface of a profile.
 pub(crate) fn tooth_surfaces(
     profile: &ToothProfile,
@@ -207,11 +216,7 @@ pub(crate) fn tooth_surfaces(
         SurfaceCurve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
         SurfaceCurve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
         SurfaceCurve::Straight(_) => {
-            // An edge is not a curve that continues the flat.
-            let next = match surfaces.get(i + 1).map(|next| next.curve) {
-                Some(SurfaceCurve::Convex(arc)) if arc.radius >= radius => arc.radius,
-                _ => profile.pitch_radius,
-            };
+            let next = radius_beside_flat(profile, i, radius);
             SurfacePair::flat(radius, next, length, modulus)
         }
     };

@@ -47,7 +47,7 @@ impl CompiledContact {
             b,
             pairs: pair
                 .profile
-                .curvatures()
+                .curvatures(pair.radius)
                 .into_iter()
                 .map(prepare)
                 .collect::<Result<_>>()?,

@@ -255,6 +255,9 @@ impl CompiledLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::force_law::{Elastic, tooth_surfaces};
+    use crate::geometry::{Blank, Seat, ToothProfile};
+    use crate::multibody::description::profile::Profile;
 
     #[test]
     fn the_energy_is_the_integral_of_the_elastic_force() {
@@ -273,6 +276,48 @@ mod tests {
             let (d, h) = (2e-5, 1e-9);
             let slope = (pair.energy(d + h) - pair.energy(d - h)) / (2.0 * h);
             assert!((slope / pair.force(d, 0.0, 0.0).elastic - 1.0).abs() < 1e-7);
+        }
+    }
+
+    /// Return a profile with straight flanks of a sprocket, whose edges have `edge_radius` \[m\].
+    fn straight(edge_radius: f64) -> ToothProfile {
+        let blank = Blank {
+            pitch: 0.0127,
+            roller_diameter: 0.0079,
+            teeth: 19,
+            seat: Seat::BottomDiameter,
+            outside_radius: 0.0408,
+            edge_radius,
+        };
+        ToothProfile::straight(&blank, 0.004, 0.3).unwrap()
+    }
+
+    #[test]
+    fn teeth_have_the_stiffness_of_a_drive_beside_flats_and_edges() {
+        let (radius, length, contact_modulus, depth) = (0.00395, 0.01, 1e11, 2e-6);
+        for (profile, elastic) in [0.0, 5e-4, 1e-2].into_iter().flat_map(|edge_radius| {
+            let profile = straight(edge_radius);
+            [Elastic::Hertz, Elastic::Johnson].map(|elastic| (profile.clone(), elastic))
+        }) {
+            let law = ContactLaw::Surfaces {
+                law: ForceLaw {
+                    elastic,
+                    ..ForceLaw::default()
+                },
+                contact_modulus,
+                restitution: 0.9,
+                length,
+                min_approach_speed: 1e-3,
+            };
+            let of_drive = tooth_surfaces(&profile, radius, length, contact_modulus);
+            let curvatures = Profile::Teeth(Box::new(profile)).curvatures(radius);
+            assert!(curvatures.len() >= 2 && curvatures.len() == of_drive.len());
+            for (pair, curvature) in of_drive.iter().zip(curvatures) {
+                let found = law.prepare("x", radius, curvature).unwrap();
+                let expected = ElasticPair::prepare(elastic, pair).force(depth);
+                let found = found.force(depth, 0.0, 0.0).elastic;
+                assert!(expected > 0.0 && found == expected, "{curvature:?}");
+            }
         }
     }
 

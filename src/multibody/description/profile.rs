@@ -1,7 +1,8 @@
 //! Profiles for contacts with a circle: bore, disc, teeth of a sprocket, and outlines of straight lines and arcs.
 
 use crate::error::{Error, Result, check};
-use crate::geometry::{SurfaceCurve, ToothProfile, Vec2, turned_left, unit};
+use crate::force_law::radius_beside_flat;
+use crate::geometry::{SurfaceCurve, SurfacePiece, ToothProfile, Vec2, turned_left, unit};
 
 use super::outline_piece::Piece;
 
@@ -156,12 +157,12 @@ impl Profile {
         }
     }
 
-    /// Return the curvature of each piece.
-    pub(crate) fn curvatures(&self) -> Vec<Curvature> {
+    /// Return the curvature of each piece, for a circle of `circle` \[m\].
+    pub(crate) fn curvatures(&self, circle: f64) -> Vec<Curvature> {
         match self {
             Self::Bore { radius } => vec![Curvature::Concave(*radius)],
             Self::Disc { radius } => vec![Curvature::Convex(*radius)],
-            Self::Teeth(profile) => tooth_curvatures(profile),
+            Self::Teeth(profile) => tooth_curvatures(profile, circle),
             Self::Outline { pieces, .. } => pieces.iter().map(Piece::curvature).collect(),
         }
     }
@@ -209,20 +210,19 @@ fn direction(vector: Vec2, length: f64) -> Vec2 {
     }
 }
 
-/// Return the curvature of each surface of a tooth gap.
-fn tooth_curvatures(profile: &ToothProfile) -> Vec<Curvature> {
-    let surfaces = profile.surfaces();
-    let curves = surfaces.iter().map(|surface| surface.curve);
-    let next = curves.clone().skip(1).map(Some).chain([None]);
-    let curvature = |(curve, next)| match (curve, next) {
-        (SurfaceCurve::Concave(arc), _) => Curvature::Concave(arc.radius),
-        (SurfaceCurve::Convex(arc), _) => Curvature::Convex(arc.radius),
-        (SurfaceCurve::Straight(_), Some(SurfaceCurve::Convex(arc))) => {
-            Curvature::FlatBefore(arc.radius)
-        }
-        (SurfaceCurve::Straight(_), _) => Curvature::Flat,
+/// Return the curvature of each surface of a tooth gap, for a circle of `radius`.
+fn tooth_curvatures(profile: &ToothProfile, radius: f64) -> Vec<Curvature> {
+    let curvature = |(i, surface): (usize, &SurfacePiece)| match surface.curve {
+        SurfaceCurve::Concave(arc) => Curvature::Concave(arc.radius),
+        SurfaceCurve::Convex(arc) => Curvature::Convex(arc.radius),
+        SurfaceCurve::Straight(_) => Curvature::FlatBefore(radius_beside_flat(profile, i, radius)),
     };
-    curves.zip(next).map(curvature).collect()
+    profile
+        .surfaces()
+        .iter()
+        .enumerate()
+        .map(curvature)
+        .collect()
 }
 
 /// Return the point of the teeth nearest to a circle, or the outside circle if that is farther away than the radius.
