@@ -3,6 +3,7 @@
 use super::MechanismDynamics;
 use super::assembly::projection::AtHand;
 use super::contact::impact_memory::Memory;
+use super::contact::onset::OnsetNumbers;
 use super::newton::stage::{is_nearness_due, largest_rotation};
 use super::system::MechanismSums;
 use crate::error::{Error, Result};
@@ -18,7 +19,7 @@ pub(super) struct StepStart {
     solution: Vec<f64>,
     pub(super) shift: Vec<f64>,
     pub(super) memory: Vec<Memory>,
-    pub(super) onsets: u64,
+    pub(super) onsets: OnsetNumbers,
     /// Whether the step uses the implicit corrector, whose last evaluation is not at the final solution.
     is_implicit: bool,
 }
@@ -44,7 +45,7 @@ impl MechanismDynamics {
         start.solution.extend_from_slice(adams.y());
         start.memory.clone_from(&self.contacts.memory);
         start.shift.clone_from(&self.shift.values);
-        start.onsets = self.onsets.count;
+        start.onsets = self.onsets.numbers;
     }
 
     /// Return to the start of the last step and restart the integrator there.
@@ -54,7 +55,7 @@ impl MechanismDynamics {
         self.shift.values.copy_from_slice(&start.shift);
         self.shift.time = start.time;
         self.contacts.memory.clone_from(&start.memory);
-        self.onsets.count = start.onsets;
+        self.onsets.numbers = start.onsets;
     }
 
     /// Project the end of the last step onto the constraints. The correction enters the shift; the integrator's solution and history

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contact::event_screening::ContactEnd;
 use super::contact::impact_memory::Memory;
-use super::contact::onset::StepMotion;
+use super::contact::onset::{OnsetNumbers, StepMotion};
 use super::dynamics::MechanismDynamics;
 use super::inputs::MechanismInput;
 use super::model::MechanismModel;
@@ -65,7 +65,7 @@ pub struct MechanismCheckpoint {
     step_start: (f64, Vec<f64>, Vec<Memory>),
     starts: Vec<ContactEnd>,
     reactions: StepReactions,
-    onsets: u64,
+    onsets: OnsetNumbers,
 }
 
 impl System for MechanismDynamics {
@@ -137,7 +137,8 @@ impl System for MechanismDynamics {
 
     fn event_counts(&self) -> EventCounts {
         EventCounts {
-            onsets: self.onsets.count,
+            onsets: self.onsets.numbers.all,
+            onsets_at_floor: self.onsets.numbers.at_floor,
             ..EventCounts::default()
         }
     }
@@ -213,7 +214,7 @@ impl System for MechanismDynamics {
             step_start: (start.time, start.shift.clone(), start.memory.clone()),
             starts: self.contacts.starts.clone(),
             reactions: self.corrector.reactions.clone(),
-            onsets: self.onsets.count,
+            onsets: self.onsets.numbers,
         }
     }
 
@@ -239,7 +240,7 @@ impl System for MechanismDynamics {
         dynamics.step.memory.clone_from(memory);
         dynamics.contacts.starts.clone_from(&checkpoint.starts);
         (dynamics.corrector.reactions).clone_from(&checkpoint.reactions);
-        dynamics.onsets.count = checkpoint.onsets;
+        dynamics.onsets.numbers = checkpoint.onsets;
         Some(dynamics)
     }
 }

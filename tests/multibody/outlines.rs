@@ -107,6 +107,32 @@ fn a_side_that_is_hit_remembers_its_own_onset() {
     assert!((both - wall).abs() < 1e-3, "{both} {wall}");
 }
 
+/// A ball without weight at a distance of `gap` \[m\] from a disc of 0.2 m, with a velocity of `speed` \[m/s\] towards it.
+fn thrown_at_a_disc(law: ContactLaw, speed: f64, gap: f64) -> Mechanism {
+    let disc = Profile::Disc { radius: 0.2 };
+    let mut mechanism = ball(disc, law, (0.0, 0.2 + RADIUS + gap));
+    mechanism.gravity = Vec2::zeros();
+    mechanism.bodies[0].velocity[1] = -speed;
+    mechanism
+}
+
+#[test]
+fn onsets_slower_than_the_minimum_impact_velocity_are_counted() {
+    for (speed, slow) in [(2e-3, 0), (5e-4, 1)] {
+        let law = ContactLaw::Surfaces {
+            law: ForceLaw::default(),
+            contact_modulus: 1e11,
+            restitution: 0.9,
+            length: 0.01,
+            min_approach_speed: 1e-3,
+        };
+        let mut machine = simulation(&thrown_at_a_disc(law, speed, 1e-6), 1e-9);
+        record(&mut machine, 0.01, 1e-3);
+        let found = machine.statistics();
+        assert_eq!((found.onsets, found.onsets_at_floor), (1, slow), "{speed}");
+    }
+}
+
 #[test]
 fn rows_within_the_step_in_which_a_contact_ends_have_its_damping() {
     // A ball without weight on a disc: f = K δ (1 + λ δ'/δ'₀) until δ = 0, with the speed δ'₀ of its approach.
@@ -125,10 +151,7 @@ fn rows_within_the_step_in_which_a_contact_ends_have_its_damping() {
         min_approach_speed: 1e-3,
     };
     let lambda = 0.75 * (1.0 - restitution * restitution);
-    let disc = Profile::Disc { radius: 0.2 };
-    let mut mechanism = ball(disc, law, (0.0, 0.3001));
-    mechanism.gravity = Vec2::zeros();
-    mechanism.bodies[0].velocity[1] = -speed;
+    let mechanism = thrown_at_a_disc(law, speed, 1e-4);
     for corrector in [Corrector::Pece, Corrector::Newton] {
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
         let control = StepControl {

@@ -333,6 +333,11 @@ impl CompiledContact {
         self.outline.as_ref().is_some_and(Outline::is_open)
     }
 
+    /// Return whether the initial impact velocity in a memory is the minimum impact velocity of the law.
+    pub(crate) fn is_at_floor(&self, memory: Memory) -> bool {
+        self.pairs[memory.piece].is_at_floor(memory.speed)
+    }
+
     /// Return the impact velocity memory of a contact with its onset on `piece` at the penetration rate `rate` \[m/s\].
     pub(crate) fn remember(&self, piece: usize, rate: f64) -> Memory {
         Memory {

@@ -1,5 +1,7 @@
 //! Contact onsets and contact ends within a step, and the impact velocity memory of each side.
 
+use serde::{Deserialize, Serialize};
+
 use super::contact_states::ContactStates;
 use super::impact_memory::{Memory, SideState};
 use super::outline::Place;
@@ -23,18 +25,38 @@ pub(crate) struct Onset {
     pub(crate) velocity: f64,
 }
 
+/// Numbers of contact onsets.
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
+pub(crate) struct OnsetNumbers {
+    pub(crate) all: u64,
+    /// Onsets slower than the minimum impact velocity.
+    pub(crate) at_floor: u64,
+}
+
+impl OnsetNumbers {
+    fn add(&mut self, at_floor: bool) {
+        self.all += 1;
+        self.at_floor += u64::from(at_floor);
+    }
+
+    /// Remove an onset that lies after the time to which a run returns.
+    fn remove(&mut self, at_floor: bool) {
+        self.all = self.all.saturating_sub(1);
+        self.at_floor = self.at_floor.saturating_sub(u64::from(at_floor));
+    }
+}
+
 /// Contact onsets of a run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Onsets {
-    /// Number of contact onsets.
-    pub(crate) count: u64,
+    pub(crate) numbers: OnsetNumbers,
     /// Onsets without a recorded row, while a recording needs them.
     pub(crate) unreported: Option<Vec<Onset>>,
 }
 
 impl Onsets {
-    fn add(&mut self, onset: Onset) {
-        self.count += 1;
+    fn add(&mut self, onset: Onset, at_floor: bool) {
+        self.numbers.add(at_floor);
         if let Some(onsets) = &mut self.unreported {
             onsets.push(onset);
         }
@@ -165,11 +187,14 @@ impl ContactStates {
             return;
         }
         self.begin_contact(motion.model, k, begun.piece, rate);
-        onsets.add(Onset {
+        let (contact, _) = motion.model.sides[k];
+        let at_floor = motion.model.contacts[contact].is_at_floor(self.memory[k]);
+        let onset = Onset {
             time: t,
-            contact: motion.model.sides[k].0,
+            contact,
             velocity: rate,
-        });
+        };
+        onsets.add(onset, at_floor);
     }
 
     fn begin_contact(&mut self, model: &MechanismModel, k: usize, piece: usize, rate: f64) {
@@ -194,6 +219,7 @@ impl ContactStates {
     pub(crate) fn roll_back(&mut self, motion: &StepMotion, t: f64, onsets: &mut Onsets) {
         let (model, at_end) = (motion.model, t == motion.adams.time());
         for k in 0..self.memory.len() {
+            let contact = &model.contacts[model.sides[k].0];
             let side_state = self.side_states[k];
             let before = motion.memory_at_start[k];
             let remembers = self.memory[k].is_in_contact();
@@ -205,12 +231,12 @@ impl ContactStates {
                     let rate = side_state.contact.penetration_rate;
                     self.begin_contact(model, k, side_state.piece, rate);
                     self.note_place(k, side_state.place);
-                    onsets.count += 1;
+                    onsets.numbers.add(contact.is_at_floor(self.memory[k]));
                 }
                 continue;
             }
             if remembers && !before.is_in_contact() {
-                onsets.count = onsets.count.saturating_sub(1);
+                onsets.numbers.remove(contact.is_at_floor(self.memory[k]));
             }
             if !at_end {
                 self.memory[k] = before;

@@ -250,6 +250,11 @@ impl CompiledLaw {
             _ => rate.max(f64::MIN_POSITIVE),
         }
     }
+
+    /// Return whether a stored initial impact velocity \[m/s\] is the lower bound of the law.
+    pub(crate) fn is_at_floor(&self, onset: f64) -> bool {
+        matches!(self.damping, DampingPart::Restitution(damping) if onset <= damping.floor)
+    }
 }
 
 #[cfg(test)]
