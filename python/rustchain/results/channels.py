@@ -117,19 +117,22 @@ VARIABLES = {
     ),
     "peak_joint_force": Variable("joints", ("joint",), "N", "largest force since the last row"),
     "peak_joint_impulse": Variable("joints", ("joint",), "N s", "impulse since the last row"),
-    "contact_force": Variable("contacts", ("contact",), "N", "normal force"),
+    "contact_force": Variable(
+        "contacts", ("contact",), "N", "size of the contact force, friction and film included"
+    ),
     "contact_force_vector": Variable("contacts", ("contact", "axis"), "N", "force on the circle"),
     "contact_impact_velocity": Variable(
         "contacts",
         ("contact",),
         "m/s",
-        "largest initial impact velocity since the last row, 0: no onset",
+        "largest penetration rate at the onsets since the last row, also below min_impact_velocity;"
+        " 0: no onset",
     ),
     "contact_penetration": Variable("contacts", ("contact",), "m", "penetration"),
     "contact_gap": Variable("contacts", ("contact",), "1", "gap of teeth near, -1: none"),
     "contact_region": Variable("contacts", ("contact",), "1", "region of tooth near, 0: none"),
     "peak_contact_force": Variable(
-        "contacts", ("contact",), "N", "largest normal force since the last row"
+        "contacts", ("contact",), "N", "largest contact force since the last row"
     ),
     "peak_contact_impulse": Variable("contacts", ("contact",), "N s", "impulse since the last row"),
     "energy_kinetic": Variable("energy", (), "J", "kinetic energy"),

@@ -66,7 +66,8 @@ class ContactHistory(ArrayValue):
     Attributes
     ----------
     time, force, penetration : ndarray, (times,)
-        Report times [s], normal force [N], penetration [m], negative when apart.
+        Report times [s], size of the contact force [N], friction and film included, penetration
+        [m], negative when apart.
     gap, region : ndarray of int, (times,)
         Near teeth, their gap, from 0 (-1: none), and its region, counted from 1 along its outline
         (0: none; an ANSI gap has seven).
@@ -75,8 +76,8 @@ class ContactHistory(ArrayValue):
     force_vector : ndarray, (times, 2)
         Force on the circle [N], on body b, in the frame of the ground.
     impact_velocity : ndarray, (times,)
-        Largest initial impact velocity [m/s] of the contacts that began since the row before; zero
-        where none did.
+        Largest penetration rate [m/s] at the contact onsets since the row before, also below
+        `min_impact_velocity`; zero where there was none.
     """
 
     time: Array
