@@ -242,7 +242,7 @@ impl CompiledContact {
             side_state.push -= candidate.weight * force.total * inward
                 + energy * fa.turned(candidate.weight_gradient);
             loads.elastic += candidate.weight * energy;
-            loads.dissipated += candidate.weight * (force.total - force.elastic) * rate;
+            loads.dissipated += candidate.weight * force.dissipated;
         });
         // The resultant of each side passes through the circle's centre.
         let center = fb.place(self.b.point);

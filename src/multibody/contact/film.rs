@@ -3,7 +3,7 @@
 //! The frame of the film rotates with the mean of both angular velocities. The film force depends on u = v - ½ ω × d. Here v and ω
 //! are velocity and angular velocity of the pin relative to the bore's body, and d is the eccentricity. Force and reaction act
 //! half-way between the two centres. About the pin's centre this is a torque -½ |d| `F_t` on the pin, in addition to the shear
-//! torque -S ω.
+//! torque -S ω. Chain drives have the same equations over vectors (`chain/rhs/chain/losses.rs`).
 
 use nalgebra::Matrix2;
 

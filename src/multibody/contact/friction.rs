@@ -3,7 +3,7 @@
 //! The normal force of a side on the circle is N n, n pointing from the profile to the centre. The contact point is -r n from the
 //! circle's centre. The sliding velocity along t, left of n, is s = t·v - r ω. Here v and ω are the velocity of the centre and the
 //! angular velocity of b relative to a. The friction force φ = N h(s) acts on both bodies at the contact point. On b, about the
-//! centre, it is a force -φ t and a torque r φ.
+//! centre, it is a force -φ t and a torque r φ. Chain drives have the same equations over vectors (`chain/rhs/chain/losses.rs`).
 
 use nalgebra::Matrix2;
 

@@ -181,28 +181,36 @@ pub(crate) struct CompiledLaw {
     damping: DampingPart,
 }
 
-/// Normal force of a contact and its elastic part \[N\].
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Normal force of a contact and its elastic part \[N\], and the power dissipated by damping \[W\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct ContactForce {
     pub(crate) total: f64,
     pub(crate) elastic: f64,
+    pub(crate) dissipated: f64,
 }
 
 impl CompiledLaw {
     /// Return the force at penetration δ \[m\] and rate δ' \[m/s\]; `onset` is the initial impact velocity \[m/s\], zero without memory.
     pub(crate) fn force(&self, penetration: f64, rate: f64, onset: f64) -> ContactForce {
         if penetration <= 0.0 {
-            return ContactForce {
-                total: 0.0,
-                elastic: 0.0,
-            };
+            return ContactForce::default();
         }
         let elastic = self.elastic.force(penetration);
-        let total = match self.damping {
-            DampingPart::Linear(c) => (elastic + c * rate).max(0.0),
-            _ => self.damped(elastic, rate, onset).force,
+        let (total, dissipated) = match self.damping {
+            DampingPart::Linear(c) => {
+                let total = (elastic + c * rate).max(0.0);
+                (total, (total - elastic) * rate)
+            }
+            _ => {
+                let contact = self.damped(elastic, rate, onset);
+                (contact.force, contact.power())
+            }
         };
-        ContactForce { total, elastic }
+        ContactForce {
+            total,
+            elastic,
+            dissipated,
+        }
     }
 
     /// Return the contact with its damping factor.
@@ -225,7 +233,7 @@ impl CompiledLaw {
 
     /// Return the force of [`Self::force`] \[N\] and its derivatives with respect to penetration \[N/m\] and rate \[N s/m\].
     pub(crate) fn slopes(&self, penetration: f64, rate: f64, onset: f64) -> [f64; 3] {
-        let ContactForce { total, elastic } = self.force(penetration, rate, onset);
+        let ContactForce { total, elastic, .. } = self.force(penetration, rate, onset);
         if total <= 0.0 {
             return [0.0; 3];
         }
