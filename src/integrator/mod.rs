@@ -35,11 +35,12 @@ use std::ops::Range;
 
 pub use adams::Adams;
 pub use control::{Corrector, StepControl};
+pub(crate) use convergence::SAFETY_AT_CONTACT_CHANGE;
 pub use dense_output::DenseOutput;
 pub(crate) use dense_output::DenseSums;
 pub(crate) use progress::{MOST_STEPS, Progress};
 pub use step::{Counts, Step, StepFailure};
-pub(crate) use weights::SPEED_PER_LENGTH;
+pub(crate) use weights::{LENGTH_ERROR_OF_FULL_DEFLECTION, SPEED_PER_LENGTH};
 
 /// Highest order of the predictor.
 pub const MAX_ORDER: usize = 12;

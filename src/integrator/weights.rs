@@ -11,6 +11,12 @@ use crate::math::simd::{InstructionSet, Numbers, padded_zeros};
 /// About the rate of a link's contact: at this rate both errors belong to the same energy (decision 19).
 pub(crate) const SPEED_PER_LENGTH: f64 = 1e5;
 
+/// Permitted error of lengths at which bristles may have an error of their full break-away deflection \[m\].
+///
+/// The relative error permitted for the break-away deflection is the accuracy over this length: 1e-3 at an accuracy of 1e-10 m. An
+/// error of the deflection is a relative error of the friction force, not an error of a position.
+pub(crate) const LENGTH_ERROR_OF_FULL_DEFLECTION: f64 = 1e-7;
+
 /// Norm over the error permitted for each component.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct ErrorNorm {

@@ -3,19 +3,9 @@
 use std::ops::Range;
 
 use super::Dynamics;
-use crate::integrator::{SPEED_PER_LENGTH, SecondOrderSystem};
-
-/// Permitted error of lengths at which bristles may have an error of their full break-away deflection \[m\].
-///
-/// The relative error permitted for the break-away deflection is accuracy/`WHOLE_DEFLECTION`: 1e-3 at an accuracy of 1e-10 m. An error of
-/// the deflection is a relative error of the friction force, not an error of a position.
-const WHOLE_DEFLECTION: f64 = 1e-7;
-
-/// Safety factor on the contraction constant of earlier steps, for a step with a contact onset or end.
-///
-/// Chosen on the published drive at 0, 25 and 100 N, with and without rollers: a measured contraction constant would have changed the
-/// decision for one in a thousand of the steps accepted with this factor. Doubled or halved, evaluations change by 1 % at most.
-const WHERE_CHANGED: f64 = 10.0;
+use crate::integrator::{
+    LENGTH_ERROR_OF_FULL_DEFLECTION, SAFETY_AT_CONTACT_CHANGE, SPEED_PER_LENGTH, SecondOrderSystem,
+};
 
 impl Dynamics {
     /// Allocate the arrays of the implicit corrector.
@@ -52,7 +42,7 @@ impl SecondOrderSystem for Dynamics {
         if self.kernels.changed() && self.oscillates_at_order_two() {
             f64::INFINITY
         } else if self.kernels.changed() {
-            WHERE_CHANGED
+            SAFETY_AT_CONTACT_CHANGE
         } else {
             1.0
         }
@@ -111,8 +101,9 @@ impl SecondOrderSystem for Dynamics {
             (places.teeth.clone(), &model.teeth.bristles),
         ] {
             if let Some(law) = law {
-                // Permitted error of z: accuracy/WHOLE_DEFLECTION of the break-away deflection.
-                lengths[range].fill(SPEED_PER_LENGTH * WHOLE_DEFLECTION / law.breakaway());
+                // Permitted error of z, as a part of the break-away deflection: the accuracy over LENGTH_ERROR_OF_FULL_DEFLECTION.
+                lengths[range]
+                    .fill(SPEED_PER_LENGTH * LENGTH_ERROR_OF_FULL_DEFLECTION / law.breakaway());
             }
         }
         for sprocket in &model.sprockets {

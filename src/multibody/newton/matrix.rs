@@ -15,7 +15,10 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
 
 use super::sparse_system::{PairPlaces, Pattern, RowPlaces, Saddle};
-use crate::integrator::{OdeSystem, SPEED_PER_LENGTH, SecondOrderSystem};
+use crate::integrator::{
+    LENGTH_ERROR_OF_FULL_DEFLECTION, OdeSystem, SAFETY_AT_CONTACT_CHANGE, SPEED_PER_LENGTH,
+    SecondOrderSystem,
+};
 use crate::multibody::constraints::relative_kinematics::{Block, Pair};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::description::tribology::FrictionLaw;
@@ -24,15 +27,6 @@ use crate::multibody::model::MechanismModel;
 
 /// Change of a velocity for difference quotients \[m/s\]; that of an angular velocity is divided by its arm.
 const CHANGE: f64 = 1e-6;
-
-/// Deflection at break-away of bristles whose error has the weight of a length's \[m\].
-///
-/// At an accuracy of 1e-10 m a thousandth of it is allowed, as in chain drives. The error of a deflection is a relative error of the
-/// friction force, not of a position.
-const WHOLE_DEFLECTION: f64 = 1e-7;
-
-/// Safety factor on the contraction constant of earlier steps, for a step with a contact onset or end; the value of chain drives.
-const WHERE_CHANGED: f64 = 10.0;
 
 /// Largest number of coordinates for which difference quotients give the matrix near singular positions, where accelerations are
 /// interpolated.
@@ -229,7 +223,7 @@ impl SecondOrderSystem for MechanismDynamics {
             return f64::INFINITY;
         }
         if self.contacts.changed(&self.model) {
-            WHERE_CHANGED
+            SAFETY_AT_CONTACT_CHANGE
         } else {
             1.0
         }
@@ -307,7 +301,8 @@ impl SecondOrderSystem for MechanismDynamics {
         for (contact, sides) in contacts {
             if let Some(FrictionLaw::LuGre(law)) = &contact.friction {
                 for bristle in self.model.bristle_of_side[sides.clone()].iter().flatten() {
-                    bristles[*bristle] = SPEED_PER_LENGTH * WHOLE_DEFLECTION / law.breakaway();
+                    bristles[*bristle] =
+                        SPEED_PER_LENGTH * LENGTH_ERROR_OF_FULL_DEFLECTION / law.breakaway();
                 }
             }
         }
