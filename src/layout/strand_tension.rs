@@ -66,7 +66,7 @@ impl ChainRow<'_> {
     }
 
     /// A hinge is in a strand when it lies between that strand's tangent points and the strand leaves or meets the sprocket that the
-    /// chain touched last; of two such, the nearer one.
+    /// chain touched last; of two such, the nearer one. A hinge in reach of a sprocket is no farther from the strand than its radius.
     fn between_many(&self) -> Vec<Mean> {
         let strands = self.pulleys.len();
         let mut means = vec![Mean::default(); strands];
@@ -82,11 +82,15 @@ impl ChainRow<'_> {
             return means;
         };
         for (k, bushing) in self.bushings.iter().enumerate() {
-            last = touched(bushing).unwrap_or(last);
+            let on = touched(bushing);
+            last = on.unwrap_or(last);
+            // With a wrap of more than half a turn, hinges on the far side of the sprocket lie beside the strand, too.
+            let widest = on.map_or(f64::INFINITY, |on| self.pulleys[on].radius);
             let meeting = (last + strands - 1) % strands;
             let near = [last, meeting]
                 .into_iter()
                 .filter_map(|i| beside(&belt.spans[i], *bushing).map(|apart| (apart, i)))
+                .filter(|&(apart, _)| apart < widest)
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((_, strand)) = near {
                 self.add(k, &mut means[strand]);

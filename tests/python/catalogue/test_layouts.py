@@ -119,6 +119,30 @@ def test_strands_have_names_numbers_and_a_tension():
     result.plot.tension()
 
 
+def test_a_strand_has_the_tension_of_its_hinges_beside_a_wrap_of_more_than_half_a_turn():
+    idler = rc.Sprocket(15, center=(0.2, -0.045), motion=rc.Free(), side="outside")
+    drive = rc.chain_drive(
+        rc.catalogue_chain("ISO 08B", 94),
+        [
+            rc.Sprocket(19, motion=rc.PrescribedSpeed(0.0)),
+            idler,
+            rc.Sprocket(38, center=(0.4, 0.0), motion=rc.AppliedTorque(-20.0)),
+        ],
+        tensioner=rc.Tensioner(80.0, sprocket=2, direction=(0.0, 1.0), stiffness=2000.0),
+        gravity=(0.0, 0.0),
+    )
+    simulation = rc.Simulation(drive, start="static")
+    result = simulation.run(
+        duration=2e-4, report_step=1e-4, record=["hinges", "sprockets", "bodies"]
+    )
+    # Links 17, 35 and 81 are in the middle of the strands.
+    assert result.strand_names == ("1-2", "2-3", "3-1")
+    middle = result.link_tension().values[0][[16, 34, 80]]
+    tensions = [result.strand(name).tension[0] for name in result.strand_names]
+    assert tensions == pytest.approx(middle, rel=0.01)
+    assert middle[2] - middle[1] == pytest.approx(20.0 / (6.35e-3 / np.sin(np.pi / 38)), rel=0.01)
+
+
 def test_two_sprockets_keep_their_strands_and_have_numbers_too():
     result = rc.Simulation(rc.paper_drive()).run(duration=1e-3, report_step=5e-4)
     assert result.strand_names == ("upper", "lower")
