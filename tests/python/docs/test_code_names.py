@@ -1,0 +1,97 @@
+"""Names of the source in the theory and developer pages exist in the source.
+
+Checked are the tables with a column "name in code", and every Rust file that a page names.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+PAGES = sorted(
+    page for folder in ("theory", "development") for page in (ROOT / "docs" / folder).glob("*.md")
+)
+RUST = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "src").rglob("*.rs"))]
+PYTHON = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "python").rglob("*.py"))]
+RUST_TYPE = r"\b(?:struct|enum|trait|type) {}\b"
+RUST_MEMBER = r"\b(?:fn|const|type) {0}\b|^\s+(?:pub(?:\([a-z]+\))? )?{0}: "
+PYTHON_TYPE = r"^class {}\b"
+PYTHON_MEMBER = r"^    {0}\b|^    def {0}\b"
+COLUMN = "name in code"
+
+
+def cells(line: str) -> list[str]:
+    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+
+
+def names_in_code(page: Path) -> list[str]:
+    """Return the names in backticks of the column of this title."""
+    found, column = [], None
+    for line in page.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("|"):
+            column = None
+        elif COLUMN in cells(line):
+            column = cells(line).index(COLUMN)
+        elif column is not None:
+            found += re.findall(r"`([^`]+)`", cells(line)[column])
+    return found
+
+
+def occurs(patterns: tuple[str, ...], texts: list[str]) -> bool:
+    """Return whether one text has all patterns."""
+    return any(all(re.search(p, text, re.MULTILINE) for p in patterns) for text in texts)
+
+
+def missing(name: str, owner: str) -> list[str]:
+    """Return the parts of a name of a table that the source does not have.
+
+    ``Type::member`` and ``Type::{member, member}`` are of Rust, ``Type.member`` is of Python.
+    ``.member`` belongs to the Python type ``owner`` before it. A name alone may be of either.
+    """
+    if "::" in name:
+        kind, members = name.split("::")
+        return [
+            f"{kind}::{member}"
+            for member in re.findall(r"\w+", members)
+            if not occurs((RUST_TYPE.format(kind), RUST_MEMBER.format(member)), RUST)
+        ]
+    if "." in name:
+        kind, member = name.split(".")
+        patterns = (PYTHON_TYPE.format(kind or owner), PYTHON_MEMBER.format(member))
+        return [] if occurs(patterns, PYTHON) else [f"{kind or owner}.{member}"]
+    return [] if occurs((rf"\b{name}\b",), RUST + PYTHON) else [name]
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if names_in_code(page)], ids=lambda page: page.stem
+)
+def test_every_name_of_the_column_exists(page):
+    lost, owner = [], ""
+    for name in names_in_code(page):
+        lost += missing(name, owner)
+        if "." in name and not name.startswith("."):
+            owner = name.split(".")[0]
+    assert lost == []
+
+
+def test_the_symbols_of_index_and_integrator_are_checked():
+    checked = {page.stem: len(names_in_code(page)) for page in PAGES if names_in_code(page)}
+    assert checked.keys() >= {"index", "integrator"}
+    assert checked["index"] > 30
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["HertzPair::stiffness", "ToothProfile::seating", "ChainMatrix", "Chain.half_pitch", ".bore"],
+)
+def test_a_name_that_does_not_exist_is_found(name):
+    assert missing(name, "ClearanceHinge")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_rust_file_of_a_page_exists(page):
+    named = re.findall(r"`([\w/]+/\w+\.rs)`", page.read_text(encoding="utf-8"))
+    assert [
+        path for path in named if not any((ROOT / top / path).exists() for top in ("", "src"))
+    ] == []
