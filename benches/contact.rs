@@ -8,7 +8,7 @@ use common::{Halves, LAWS, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rustchain::chain::contact::{HingePath, ToothPath};
 use rustchain::geometry::Vec2;
-use rustchain::integrator::event_location::first_crossing;
+use rustchain::integrator::event_location::onset_in_step;
 
 /// Points to each of the curves of a flank.
 const POINTS: usize = 64;
@@ -57,10 +57,10 @@ fn onset(criterion: &mut Criterion) {
             let start = black_box(start);
             if kind == "tooth_onset" {
                 let path = ToothPath::new(model, &run.adams, k, s);
-                first_crossing(|t| path.at(t).contact, start, end)
+                onset_in_step(|t| path.at(t).contact, start, end)
             } else {
                 let path = HingePath::new(model, &run.adams, k);
-                first_crossing(|t| path.at(t), start, end)
+                onset_in_step(|t| path.at(t), start, end)
             }
         };
         let (at, rate) = find();
@@ -84,9 +84,9 @@ fn step_to_onset(run: &mut Halves, of_tooth: bool) -> (f64, f64, usize) {
         let pairs = |halves: &Halves| {
             let memory = &halves.dynamics.memory;
             if of_tooth {
-                memory.tooth_speed.clone()
+                memory.tooth_impact_velocity.clone()
             } else {
-                memory.hinge_speed().to_vec()
+                memory.hinge_impact_velocity().to_vec()
             }
         };
         let (old, new) = (pairs(&before), pairs(run));

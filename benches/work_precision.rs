@@ -159,9 +159,9 @@ fn walk(run: &mut Halves, end: f64) -> (u64, f64) {
     let before = run.adams.counts().steps;
     let begin = ThreadTime::now();
     while run.adams.time() < end {
-        run.dynamics.begin_step();
+        run.dynamics.forget_ended_contacts();
         let step = run.adams.step_second_order(&mut run.dynamics).unwrap();
-        run.dynamics.finish_step(&run.adams, &step);
+        run.dynamics.record_contact_events(&run.adams, &step);
     }
     (
         run.adams.counts().steps - before,

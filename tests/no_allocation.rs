@@ -153,9 +153,9 @@ fn steps_with_onsets_and_new_candidates_allocate_nothing_whatever_the_instructio
             let (mut allocations, mut begun) = (0, (0, 0));
             while adams.time() < 6e-3 {
                 let before = ALLOCATIONS.get();
-                dynamics.begin_step();
+                dynamics.forget_ended_contacts();
                 let step = adams.step(&mut dynamics).unwrap();
-                dynamics.finish_step(&adams, &step);
+                dynamics.record_contact_events(&adams, &step);
                 // The first contact past the end of its law is put into words, once.
                 if dynamics.past_range().count() == begun.0 {
                     allocations += ALLOCATIONS.get() - before;

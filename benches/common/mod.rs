@@ -152,9 +152,9 @@ impl Halves {
 
     /// One step, with the search for contacts that began in it.
     pub fn step(&mut self) {
-        self.dynamics.begin_step();
+        self.dynamics.forget_ended_contacts();
         let step = self.adams.step(&mut self.dynamics).unwrap();
-        self.dynamics.finish_step(&self.adams, &step);
+        self.dynamics.record_contact_events(&self.adams, &step);
     }
 }
 

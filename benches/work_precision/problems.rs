@@ -3,7 +3,7 @@
 use rustchain::force_law::{Elastic, ElasticPair, SurfacePair, damping_factor};
 use rustchain::geometry::Contact;
 use rustchain::geometry::Vec2;
-use rustchain::integrator::event_location::first_crossing;
+use rustchain::integrator::event_location::onset_in_step;
 use rustchain::integrator::{OdeSystem, SecondOrderSystem};
 
 /// x'' = -x/|x|³ in the plane with eccentricity 0.6: after every period of 2π the planet is where it began.
@@ -126,7 +126,7 @@ impl Pin {
                     penetration_rate: sign * rate,
                 }
             };
-            first_crossing(path, start, end).1
+            onset_in_step(path, start, end).1
         };
         if depth > 0.0 && self.onset_speed.is_none() {
             self.onset_speed = Some(crossing(1.0));

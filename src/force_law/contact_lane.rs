@@ -28,7 +28,7 @@ pub(crate) struct ContactLane<R: Real> {
 struct Damped<R: Real> {
     damping: RestitutionDamping<R>,
     rate: R,
-    inverse_onset: R,
+    inverse_impact_velocity: R,
     factor: R,
     remembered: R::Mask,
 }
@@ -56,19 +56,19 @@ impl<R: Real> ContactLane<R> {
     ) -> Self {
         let (zero, one) = (rate.constant(0.0), rate.constant(1.0));
         let remembered = memory.greater(zero);
-        let mut inverse_onset = memory;
+        let mut inverse_impact_velocity = memory;
         // Vectors of contacts with a memory, the common case, skip the division.
         if touching.and(remembered.not()).any() {
-            inverse_onset = remembered.select(memory, one / damping.floor.max(rate));
+            inverse_impact_velocity = remembered.select(memory, one / damping.floor.max(rate));
         }
-        let factor = factor(damping.lambda, rate, inverse_onset);
+        let factor = factor(damping.lambda, rate, inverse_impact_velocity);
         Self {
             elastic,
             force: elastic * factor,
             damped: Some(Damped {
                 damping,
                 rate,
-                inverse_onset,
+                inverse_impact_velocity,
                 factor,
                 remembered,
             }),
@@ -95,7 +95,7 @@ impl<R: Real> ContactLane<R> {
         let RestitutionDamping { lambda, floor } = damped.damping;
         let fresh_and_fast = damped.remembered.not().and(damped.rate.greater(floor));
         let constant = fresh_and_fast.or(damped.factor.greater(zero).not());
-        let slope = self.elastic * lambda * damped.inverse_onset;
+        let slope = self.elastic * lambda * damped.inverse_impact_velocity;
         [stiffness * damped.factor, constant.select(zero, slope)]
     }
 }

@@ -108,15 +108,17 @@ impl Damping {
 
 /// Return the factor 1 + λ δ'/δ'₀, bounded below by zero: damping causes no tensile force. NaN is kept.
 #[inline(always)]
-pub(super) fn factor<R: Real>(lambda: R, rate: R, inverse_onset: R) -> R {
+pub(super) fn factor<R: Real>(lambda: R, rate: R, inverse_impact_velocity: R) -> R {
     let one = rate.constant(1.0);
-    (lambda * rate).mul_add(inverse_onset, one).positive_part()
+    (lambda * rate)
+        .mul_add(inverse_impact_velocity, one)
+        .positive_part()
 }
 
-/// Return the factor of one contact with the initial impact velocity δ'₀ = `onset_speed` \[m/s\].
+/// Return the factor of one contact with the initial impact velocity δ'₀ = `impact_velocity` \[m/s\].
 #[must_use]
-pub fn damping_factor(lambda: f64, rate: f64, onset_speed: f64) -> f64 {
-    factor(lambda, rate, 1.0 / onset_speed)
+pub fn damping_factor(lambda: f64, rate: f64, impact_velocity: f64) -> f64 {
+    factor(lambda, rate, 1.0 / impact_velocity)
 }
 
 /// Return the effective restitution e' of a factor with `lambda` >= 0, independent of elastic law, mass and speed.

@@ -238,8 +238,8 @@ impl Adams {
         self.counts.evaluations += 1;
         let size = self.norm_of(&self.vectors.y);
         let compensate = SAFE_ERROR <= COMPENSATED_BELOW * (ROUNDING * size);
-        self.history.restart(&self.vectors.slope, compensate);
-        let slope = self.norm_of(&self.vectors.slope);
+        self.history.restart(&self.vectors.derivative, compensate);
+        let slope = self.norm_of(&self.vectors.derivative);
         let scale = if slope > 0.0 { size / slope } else { 1.0 };
         let scale = scale.max(SHORTEST_SCALE);
         self.next.start(&self.control, self.time, scale, slope);
@@ -255,7 +255,7 @@ impl Adams {
     pub(super) fn undo_step(&mut self, next: f64, controlled: usize) -> Result<(), StepFailure> {
         let (time, failed) = (self.time, self.next.size);
         let possible = self.next.exceeds_rounding(next, time);
-        // The predicted slope of the failed step is in the table until the prediction is undone.
+        // The predicted derivative of the failed step is in the table until the prediction is undone.
         let component = if possible {
             0
         } else {
@@ -266,7 +266,11 @@ impl Adams {
         if possible {
             return Ok(());
         }
-        let finite = self.vectors.slope.iter().all(|slope| slope.is_finite());
+        let finite = self
+            .vectors
+            .derivative
+            .iter()
+            .all(|value| value.is_finite());
         Err(if finite {
             StepFailure::TooSmall {
                 time,

@@ -17,7 +17,7 @@ pub(super) const REMAINDER: f64 = 0.1;
 
 /// Largest remaining correction that may stay unmeasured \[m\].
 ///
-/// A fixed length: remaining corrections have a sign and do work, while the truncation errors of the trapezoidal rule nearly
+/// It rules above an accuracy of 6e-10 m; below, the limit is [`REMAINDER`]: 1e-11 m at the default accuracy. A fixed length: remaining corrections have a sign and do work, while the truncation errors of the trapezoidal rule nearly
 /// conserve energy. A share of the tolerance would make the energy balance residual grow with it. Chosen as the largest
 /// of the tried lengths that did not raise the residual (decision 20).
 const UNMEASURED_LENGTH: f64 = 6e-11;
@@ -40,8 +40,9 @@ const GROWTH: f64 = 1.2;
 
 /// Estimate of the convergence of Newton's method from earlier steps.
 ///
-/// Near the solution Newton's method with an exact matrix contracts quadratically, `|Δ₂| = c |Δ₁|²`. With the contraction constant c of
-/// earlier steps the size of the second correction is known before its evaluation.
+/// The first correction has the matrix of its own point. The second one is about `c |Δ₁|²` if the matrix is exact; a part `γ|w| |Δ₁|`
+/// of the omitted terms (drives) is included in the measured c. With the contraction constant c of earlier steps the size of the second
+/// correction is known before its evaluation. Later corrections use the first matrix and converge linearly.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct NewtonConvergence {
     /// Contraction constant c, in units of one over the tolerance; infinite while it is unknown.
@@ -92,8 +93,9 @@ impl NewtonConvergence {
         } else {
             (UNMEASURED_LENGTH / control.accuracy).min(REMAINDER)
         };
-        let longest = size.max(1.0) * control.accuracy;
-        let is_short = !by_component && longest <= LONGEST_WITH_EVENTS;
+        // Both the first correction and the accuracy must be at most this length (decision 20).
+        let length = size.max(1.0) * control.accuracy;
+        let is_short = !by_component && length <= LONGEST_WITH_EVENTS;
         let rate = safety_factor * self.contraction * size;
         self.unmeasured =
             rate < 1.0 && rate * size <= allowed && (safety_factor <= 1.0 || is_short);

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::adams::Adams;
-use super::difference_kernels::SlopeChange;
+use super::difference_kernels::DerivativeChange;
 use super::order_control::gamma_star;
 use super::stability::explicit_limit;
 use super::step::{Step, StepFailure};
@@ -26,7 +26,7 @@ const EXPLICIT_COST: f64 = 2.0;
 
 /// Explicit step size times fastest rate where stability limits the step.
 ///
-/// The rate that Newton's method measures is a lower bound, so that this is below the limits of stability. Chosen with the other
+/// The rate that Newton's method measures may be below the largest one, so that this is below the limits of stability. Chosen with the other
 /// constants of the change as the best of eleven sets (decision 21).
 const EXPLICIT_REACH: f64 = 0.4;
 
@@ -179,8 +179,8 @@ impl Adams {
     fn rate_from_slopes(&self, coordinates: usize) -> f64 {
         let velocities = coordinates..2 * coordinates;
         let vectors = &self.vectors;
-        let [accelerations, speeds] = self.instructions.run(SlopeChange {
-            slope: &vectors.slope[velocities.clone()],
+        let [accelerations, speeds] = self.instructions.run(DerivativeChange {
+            derivative: &vectors.derivative[velocities.clone()],
             at_prediction: &vectors.residual[velocities.clone()],
             ends: (
                 &vectors.predicted[velocities.clone()],

@@ -1,4 +1,6 @@
 //! Dense output: the interpolating polynomial of the last step (Shampine and Gordon, subroutine INTRP).
+//!
+//! At order k the polynomial has degree k + 1. It meets the end of the step exactly; the start of an implicit step to about the tolerance.
 
 use super::differences::Differences;
 use super::{Adams, MAX_ORDER};
@@ -25,7 +27,7 @@ impl<'a> DenseOutput<'a> {
         let terms = order + 1;
         let mut weights = [0.0; MAX_ORDER + 1];
         let mut w = [0.0; MAX_ORDER + 1];
-        // Integrals of the powers: w_i = 1/i.
+        // Integrals of the powers: w_i = 1/i (index from 1 in INTRP).
         for (i, w) in w.iter_mut().enumerate().take(terms) {
             *w = 1.0 / (i + 1) as f64;
         }

@@ -219,7 +219,7 @@ impl WithSimd for UndoPrediction<'_> {
 pub(super) struct UpdateDifferences<'a> {
     pub(super) order: usize,
     pub(super) dimension: usize,
-    pub(super) slope: &'a [f64],
+    pub(super) derivative: &'a [f64],
     pub(super) table: &'a mut [f64],
     pub(super) inverse_weight: &'a [f64],
     pub(super) above: bool,
@@ -231,14 +231,14 @@ impl WithSimd for UpdateDifferences<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let order = self.order;
-        let mut rows = Rows::<S>::new(simd, self.table, self.slope.len());
+        let mut rows = Rows::<S>::new(simd, self.table, self.derivative.len());
         let blocks = blocks::<S>(self.dimension);
-        let slope = vectors::<S>(self.slope, blocks);
+        let derivative = vectors::<S>(self.derivative, blocks);
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
         let mut sum = Squares::new(simd);
         each_block!(S, blocks, |part, b| {
             // φ_{k+1}(n+1) = f(y) - φ*_1.
-            let newest = load(simd, &slope[b]) - rows.get(0, b);
+            let newest = load(simd, &derivative[b]) - rows.get(0, b);
             if self.above {
                 // φ_{k+2}(n+1) = φ_{k+1}(n+1) - φ_{k+1}(n).
                 let above = newest - rows.get(order, b);
@@ -254,7 +254,7 @@ impl WithSimd for UpdateDifferences<'_> {
 /// Weighted sums of squares of the error estimates: `f(p) - φ*_1`, and the same plus φ*_k and φ*_{k-1} for the lower orders.
 pub(super) struct Errors<'a> {
     pub(super) dimension: usize,
-    pub(super) slope: &'a [f64],
+    pub(super) derivative: &'a [f64],
     /// φ*_1, φ*_k and φ*_{k-1}.
     pub(super) rows: [&'a [f64]; 3],
     pub(super) inverse_weight: &'a [f64],
@@ -275,7 +275,7 @@ impl WithSimd for Errors<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
         let blocks = blocks::<S>(self.dimension);
-        let slope = vectors::<S>(self.slope, blocks);
+        let derivative = vectors::<S>(self.derivative, blocks);
         let [first, one_below, two_below] = self.rows.map(|row| vectors::<S>(row, blocks));
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
         let (mut at, mut one, mut two) =
@@ -290,7 +290,7 @@ impl WithSimd for Errors<'_> {
         each_block!(S, blocks, |part, b| {
             let weight = load(simd, &inverse_weight[b]);
             // f(p) - φ*_1; at lower orders φ*_k and φ*_{k-1} belong to the difference.
-            let change = load(simd, &slope[b]) - load(simd, &first[b]);
+            let change = load(simd, &derivative[b]) - load(simd, &first[b]);
             at.add(part, change * weight);
             one.add(part, (load(simd, &one_below[b]) + change) * weight);
             two.add(part, (load(simd, &two_below[b]) + change) * weight);
@@ -361,21 +361,21 @@ impl WithSimd for Weigh<'_> {
 }
 
 /// Weighted sums of squares of the changes of the derivative and of the solution between the two evaluations of a step.
-pub(super) struct SlopeChange<'a> {
-    pub(super) slope: &'a [f64],
+pub(super) struct DerivativeChange<'a> {
+    pub(super) derivative: &'a [f64],
     pub(super) at_prediction: &'a [f64],
     /// Points of evaluation: predicted value and solution.
     pub(super) ends: (&'a [f64], &'a [f64]),
     pub(super) inverse_weight: &'a [f64],
 }
 
-impl WithSimd for SlopeChange<'_> {
+impl WithSimd for DerivativeChange<'_> {
     type Output = [f64; 2];
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
-        let n = self.slope.len();
-        let slope = SliceLanes::<S>::new(simd, self.slope, n);
+        let n = self.derivative.len();
+        let derivative = SliceLanes::<S>::new(simd, self.derivative, n);
         let at_prediction = SliceLanes::<S>::new(simd, self.at_prediction, n);
         let prediction = SliceLanes::<S>::new(simd, self.ends.0, n);
         let solution = SliceLanes::<S>::new(simd, self.ends.1, n);
@@ -383,7 +383,7 @@ impl WithSimd for SlopeChange<'_> {
         let (mut slopes, mut steps) = (Squares::new(simd), Squares::new(simd));
         each_vector!(S, n, |part, at| {
             let weight = inverse_weight.get(at);
-            slopes.add(part, (slope.get(at) - at_prediction.get(at)) * weight);
+            slopes.add(part, (derivative.get(at) - at_prediction.get(at)) * weight);
             steps.add(part, (solution.get(at) - prediction.get(at)) * weight);
         });
         [slopes.total(), steps.total()]

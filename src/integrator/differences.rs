@@ -49,22 +49,22 @@ impl Differences {
 
     /// Return whether `other` is a table of the same size.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        let lengths = |sums: &Compensation| [sums.kept.len(), sums.predicted.len()];
+        let lengths = |of: &Compensation| [of.kept.len(), of.predicted.len()];
         (self.dimension, self.width) == (other.dimension, other.width)
             && self.table.len() == other.table.len()
             && self.newest <= MAX_ORDER
-            && (self.compensation.iter()).all(|sums| lengths(sums) == [self.width; 2])
+            && (self.compensation.iter()).all(|of| lengths(of) == [self.width; 2])
     }
 
     /// Restart from the derivative at one point.
-    pub(super) fn restart(&mut self, slope: &[f64], compensate: bool) {
+    pub(super) fn restart(&mut self, derivative: &[f64], compensate: bool) {
         // At order one the only difference is the derivative itself.
         self.table.fill(0.0);
-        self.table[..slope.len()].copy_from_slice(slope);
+        self.table[..derivative.len()].copy_from_slice(derivative);
         self.newest = 0;
         self.compensation = compensate.then(|| Compensation {
-            kept: vec![0.0; slope.len()],
-            predicted: vec![0.0; slope.len()],
+            kept: vec![0.0; derivative.len()],
+            predicted: vec![0.0; derivative.len()],
         });
     }
 
@@ -73,8 +73,11 @@ impl Differences {
         for row in self.table.chunks_exact_mut(self.width) {
             row[component] = 0.0;
         }
-        if let Some(sums) = &mut self.compensation {
-            (sums.kept[component], sums.predicted[component]) = (0.0, 0.0);
+        if let Some(compensation) = &mut self.compensation {
+            (
+                compensation.kept[component],
+                compensation.predicted[component],
+            ) = (0.0, 0.0);
         }
     }
 
@@ -115,13 +118,13 @@ impl Differences {
             y: self.compensation.is_none().then_some(y),
             predicted: &mut *predicted,
         });
-        if let Some(sums) = &mut self.compensation {
+        if let Some(compensation) = &mut self.compensation {
             // Compensated summation of p = y + increment.
             for (((p, y), kept), lost) in predicted
                 .iter_mut()
                 .zip(y)
-                .zip(&sums.kept)
-                .zip(&mut sums.predicted)
+                .zip(&compensation.kept)
+                .zip(&mut compensation.predicted)
             {
                 // kept: rounding of the sums so far; lost: rounding of this sum.
                 let tau = *p - kept;
@@ -151,7 +154,7 @@ impl Differences {
             newest: std::mem::take(&mut self.newest),
             step: h,
             gamma,
-            beta: if c.equal_steps >= 2 { 1.0 } else { c.beta[1] },
+            beta: c.beta[1],
             g: [c.g[0], c.g[1]],
             table: &mut self.table[..3 * self.width],
             width: self.width,
@@ -178,18 +181,18 @@ impl Differences {
             inverse_gamma,
             predicted,
             trial,
-            first: &before[..n],
+            phi_1: &before[..n],
             rows: (newest_q, newest_v),
         });
     }
 
     /// Write the derivative at the end of the last step.
-    pub(super) fn write_slope(&self, slope: &mut [f64]) {
+    pub(super) fn write_slope(&self, derivative: &mut [f64]) {
         match self.parts_of_row(0) {
-            (row, None) => slope.copy_from_slice(&row[..slope.len()]),
+            (row, None) => derivative.copy_from_slice(&row[..derivative.len()]),
             (row, Some(newest)) => {
-                for ((slope, phi), newest) in slope.iter_mut().zip(row).zip(newest) {
-                    *slope = phi + newest;
+                for ((derivative, phi), newest) in derivative.iter_mut().zip(row).zip(newest) {
+                    *derivative = phi + newest;
                 }
             }
         }
@@ -210,15 +213,34 @@ impl Differences {
         self.compensation.is_some()
     }
 
+    /// Set the rounding error of the accepted solution to zero: that of an implicit step is unknown.
+    ///
+    /// The error of an earlier solution would be subtracted again in every prediction.
+    pub(super) fn forget_rounding(&mut self) {
+        if let Some(compensation) = &mut self.compensation {
+            compensation.kept.fill(0.0);
+        }
+    }
+
     /// Write the corrected value `y = p + h g_{k+1} (f(p) - φ*_1)` by compensated summation; `weight` is `h g_{k+1}`.
-    pub(super) fn correct(&mut self, weight: f64, predicted: &[f64], slope: &[f64], y: &mut [f64]) {
-        let first = &self.table[..self.width];
-        if let Some(sums) = &mut self.compensation {
-            let sums = sums.kept.iter_mut().zip(&sums.predicted);
-            for ((((y, p), slope), phi), (kept, lost)) in
-                y.iter_mut().zip(predicted).zip(slope).zip(first).zip(sums)
+    pub(super) fn correct(
+        &mut self,
+        weight: f64,
+        predicted: &[f64],
+        derivative: &[f64],
+        y: &mut [f64],
+    ) {
+        let phi_1 = &self.table[..self.width];
+        if let Some(compensation) = &mut self.compensation {
+            let roundings = compensation.kept.iter_mut().zip(&compensation.predicted);
+            for ((((y, p), derivative), phi), (kept, lost)) in y
+                .iter_mut()
+                .zip(predicted)
+                .zip(derivative)
+                .zip(phi_1)
+                .zip(roundings)
             {
-                let rho = weight * (slope - phi) - lost;
+                let rho = weight * (derivative - phi) - lost;
                 *y = p + rho;
                 *kept = (*y - p) - rho;
             }
@@ -230,7 +252,7 @@ impl Differences {
         &mut self,
         set: InstructionSet,
         order: usize,
-        slope: &[f64],
+        derivative: &[f64],
         inverse_weight: &[f64],
         above: bool,
     ) -> f64 {
@@ -239,7 +261,7 @@ impl Differences {
         set.run(UpdateDifferences {
             order,
             dimension: self.dimension,
-            slope,
+            derivative,
             table: &mut self.table,
             inverse_weight,
             above,

@@ -18,22 +18,24 @@ const GUESS_SETTLED: f64 = 1e-4;
 /// Newton steps of the first guess on the cubic, which cost no evaluation of the contact.
 const GUESS_ITERATIONS: u32 = 4;
 
-/// Return the time in (`start`, `end`] at which the penetration becomes positive, and the penetration rate there.
+/// Return the time in (`start`, `end`] of the last crossing of the penetration from negative to positive, and the penetration rate
+/// there.
 ///
-/// `contact` returns penetration and rate of the pair at a time of the last step. The pair is apart at `start`, in contact at `end`.
-pub fn first_crossing(contact: impl Fn(f64) -> Contact, start: f64, end: f64) -> (f64, f64) {
+/// `contact` returns penetration and rate of the pair at a time of the last step. The pair is in contact at `end`. If it is also in
+/// contact at `start` and the cubic shows no separation, `start` is returned.
+pub fn onset_in_step(contact: impl Fn(f64) -> Contact, start: f64, end: f64) -> (f64, f64) {
     let ends = [
         penetration_and_rate(&contact, start),
         penetration_and_rate(&contact, end),
     ];
-    crossing_between(contact, [start, end], ends)
+    onset_between(contact, [start, end], ends)
 }
 
 /// Return the same from known penetrations \[m\] and rates \[m/s\] at both ends.
 ///
 /// Newton's method from the root of the cubic Hermite interpolant, safeguarded by bisection. Where the cubic is negative inside the
 /// step, the last crossing is returned: the onset of the contact that exists at the end.
-pub fn crossing_between(
+pub fn onset_between(
     contact: impl Fn(f64) -> Contact,
     [start, end]: [f64; 2],
     [at_start, at_end]: [[f64; 2]; 2],
@@ -183,7 +185,7 @@ mod tests {
     use super::*;
     use crate::geometry::Vec2;
 
-    /// Return time and rate of the first crossing of a penetration, and the number of its evaluations.
+    /// Return time and rate of the onset of a penetration, and the number of its evaluations.
     fn crossing(depth: impl Fn(f64) -> [f64; 2], start: f64, end: f64) -> ([f64; 2], u32) {
         let asked = Cell::new(0);
         let contact = |t| {
@@ -195,7 +197,7 @@ mod tests {
                 penetration_rate,
             }
         };
-        let (t, rate) = first_crossing(contact, start, end);
+        let (t, rate) = onset_in_step(contact, start, end);
         ([t, rate], asked.get())
     }
 

@@ -14,7 +14,7 @@ const REJECTED: f64 = 0.5;
 /// Failures of one step after which the order is one.
 ///
 /// The value of DE/STEP: repeated failures show a discontinuity, at which a higher order gains nothing.
-const FAILURES_TO_ORDER_ONE: u32 = 3;
+pub(super) const FAILURES_TO_ORDER_ONE: u32 = 3;
 
 impl Adams {
     /// Make one step of any system with the explicit corrector.
@@ -93,6 +93,7 @@ impl Adams {
         let error = estimate.at_order;
         let mut shrink = REJECTED;
         // The error of order one is about h²: its optimal size follows from the square root.
+        // `P5EPS < 0.25 ERK` of DE/STEP: the optimal step is below half of the present one.
         let hopeless = SAFE_ERROR < 0.25 * error && error.is_finite();
         if failures > FAILURES_TO_ORDER_ONE && hopeless {
             shrink = (SAFE_ERROR / error).sqrt();
@@ -120,19 +121,25 @@ impl Adams {
             history.differences.correct(
                 weight,
                 &vectors.predicted,
-                &vectors.slope,
+                &vectors.derivative,
                 &mut vectors.trial,
             );
         }
         std::mem::swap(&mut vectors.y, &mut vectors.trial);
         // Corrector switching compares the derivatives at both evaluations.
-        std::mem::swap(&mut vectors.slope, &mut vectors.residual);
+        std::mem::swap(&mut vectors.derivative, &mut vectors.residual);
         vectors.evaluate_at_solution(system, self.time);
         self.counts.evaluations += 1;
         self.counts.steps += 1;
         // φ_{k+2} is needed only where the order may rise.
         let raise = history.may_raise(k, self.control.max_order);
-        history.update(self.instructions, (k, h), &self.norm, &vectors.slope, raise)
+        history.update(
+            self.instructions,
+            (k, h),
+            &self.norm,
+            &vectors.derivative,
+            raise,
+        )
     }
 
     /// Choose the next order and step size (block 4 of STEP).
@@ -155,6 +162,7 @@ impl Adams {
         self.next.set_size(size, &self.control, self.time);
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -33,9 +33,9 @@ impl History {
         }
     }
 
-    /// Forget all steps; begin with the derivative `slope` at the start.
-    pub(super) fn restart(&mut self, slope: &[f64], compensate: bool) {
-        self.differences.restart(slope, compensate);
+    /// Forget all steps; begin with the derivative `derivative` at the start.
+    pub(super) fn restart(&mut self, derivative: &[f64], compensate: bool) {
+        self.differences.restart(derivative, compensate);
         self.coefficients = Coefficients::new();
         self.last_step_size = 0.0;
         self.last_order = 0;
@@ -90,7 +90,7 @@ impl History {
     ) -> ErrorEstimate {
         let sums = set.run(Errors {
             dimension: vectors.dimension,
-            slope: &vectors.slope,
+            derivative: &vectors.derivative,
             rows: self.differences.rows_of_errors(step.order),
             inverse_weight: &norm.inverse_weight,
             correction: None,
@@ -108,7 +108,7 @@ impl History {
     ) -> ErrorEstimate {
         let sums = set.run(Errors {
             dimension: vectors.dimension,
-            slope: &vectors.slope,
+            derivative: &vectors.derivative,
             rows: self.differences.rows_of_errors(step.order),
             inverse_weight: &norm.inverse_weight,
             correction: Some(Correction {
@@ -137,16 +137,16 @@ impl History {
         set: InstructionSet,
         (k, h): (usize, f64),
         norm: &ErrorNorm,
-        slope: &[f64],
+        derivative: &[f64],
         above: bool,
     ) -> f64 {
         (self.last_order, self.last_step_size) = (k, h);
         let weights = &norm.inverse_weight;
-        norm.of_sum(self.differences.update(set, k, slope, weights, above))
+        norm.of_sum(self.differences.update(set, k, derivative, weights, above))
     }
 
     /// Replace the differences after an implicit step that needs the newest one only; `ends`: predicted and new velocities.
-    pub(super) fn update_plain(
+    pub(super) fn update_by_newest_difference(
         &mut self,
         set: InstructionSet,
         (k, h): (usize, f64),
@@ -182,8 +182,8 @@ impl History {
         controlled: usize,
     ) -> usize {
         // The largest term of the error estimate, f - φ*_1 over the weight.
-        let first = self.differences.row(0);
-        let error = |i: usize| ((vectors.slope[i] - first[i]) * norm.inverse_weight[i]).abs();
+        let phi_1 = self.differences.row(0);
+        let error = |i: usize| ((vectors.derivative[i] - phi_1[i]) * norm.inverse_weight[i]).abs();
         (0..controlled)
             .find(|&i| error(i).is_nan())
             .or_else(|| (0..controlled).max_by(|&a, &b| error(a).total_cmp(&error(b))))

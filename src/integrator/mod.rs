@@ -5,6 +5,11 @@
 //! integrator can change between them after any step.
 //!
 //! The integrator depends on [`OdeSystem`] and [`SecondOrderSystem`] only.
+//!
+//! Symbols: k is the order of the predictor and h the step size. `φ_i`, `ψ_i`, `g_i`, `σ_i`, `β_i` and α are those of the book, with
+//! indices from 1; arrays begin at 0, so that `g[k]` is `g_{k+1}`. φ* are the differences after the prediction; φ*_1 is the predicted
+//! derivative. `γ = h g_k` is the weight of the new derivative in the implicit formula, `γ*_i` are the error constants, and `γ_j`, `η_j`
+//! in the dense output are those of subroutine INTRP.
 
 #![allow(clippy::inline_always)] // code that is not inlined into a kernel is not compiled for its instruction set
 
@@ -82,9 +87,9 @@ pub trait SecondOrderSystem: OdeSystem {
         self.accelerations(t, y, dydt);
     }
 
-    /// Return the safety factor on the contraction constant of earlier steps at the last evaluation.
+    /// Return the factor by which the contraction constant c of earlier steps may be too small for the present step.
     ///
-    /// One in a smooth step, larger after a contact onset or end within the step, infinite for systems without this information.
+    /// It belongs to the last evaluation: 1 in a smooth step, larger after a contact onset or end in it, infinite if unknown.
     fn contraction_safety_factor(&self) -> f64 {
         f64::INFINITY
     }
@@ -107,14 +112,17 @@ pub trait SecondOrderSystem: OdeSystem {
 
     /// Factorise the matrix 1 - γ ∂a/∂v - γ² ∂a/∂q at `y`, the point of the last [`Self::accelerations_with_slopes`].
     ///
-    /// Return false for a singular matrix.
+    /// Return false where the matrix is singular, or where the system takes it as a sign that the step is too long (a chain: not
+    /// definite); the step is then repeated with a smaller size.
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool;
 
     /// Replace a residual of the velocities by their correction.
     fn correct(&mut self, residual: &mut [f64]);
 
-    /// Return the residual whose ratio to its correction measures the stiffness, if it is not that given to [`Self::correct`]: without
-    /// the reactions of constraints that the correction has changed.
+    /// Return the residual of the velocities after the multipliers were corrected.
+    ///
+    /// |residual|/|correction| then measures the stiffness without the reactions of constraints. `None`: take the residual given to
+    /// [`Self::correct`].
     fn stiffness_residual(&self) -> Option<&[f64]> {
         None
     }

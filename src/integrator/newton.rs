@@ -6,6 +6,7 @@
 //! Equations II*, section IV.8, for Runge-Kutta methods).
 
 use super::adams::Adams;
+use super::explicit::FAILURES_TO_ORDER_ONE;
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
 use super::stability::implicit_order;
 use super::step::{Step, StepFailure};
@@ -22,18 +23,26 @@ const SAFETY: f64 = 0.8;
 const FIRST_STEP: f64 = 1e-7;
 
 /// Factor of the step size after an iteration that did not converge.
+///
+/// Chosen by trial; effects of other values: docs/development/constants.md.
 const NOT_CONVERGED: f64 = 0.25;
 
-/// Factor of the step size after an event that both ends of the step do not show.
+/// Factor of the step size after an event that both ends of the step do not show: the factor of the explicit corrector.
 const HIDDEN_EVENT: f64 = 0.5;
 
 /// Smallest and largest factor of the step size after a failed error test.
-const REJECTED: [f64; 2] = [0.2, 0.9];
+///
+/// Chosen by trial; effects of other values: docs/development/constants.md.
+const REDUCTION_AFTER_ERROR: [f64; 2] = [0.2, 0.9];
 
-/// Smallest and largest factor of the step size after an accepted step of order two.
-const CHANGE: [f64; 2] = [0.3, 2.0];
+/// Smallest and largest factor of the step size after an accepted step of order one or two.
+///
+/// Chosen by trial; effects of other values: docs/development/constants.md.
+const LOW_ORDER_CHANGE: [f64; 2] = [0.3, 2.0];
 
 /// Factors of the step size between which it is kept: equal steps keep their coefficients.
+///
+/// Chosen by trial; effects of other values: docs/development/constants.md.
 const KEPT: [f64; 2] = [0.9, 1.15];
 
 /// Accepted steps after a rejected one before the step size may grow again.
@@ -43,9 +52,6 @@ const KEPT: [f64; 2] = [0.9, 1.15];
 /// whose kinks are not alike.
 const STEPS_UNTIL_GROWTH: u32 = 4;
 
-/// Failures of one step after which the order is one, as with the explicit corrector.
-const FAILURES_TO_ORDER_ONE: u32 = 3;
-
 /// Order above which steps have to be stable for the fastest rate; orders one and two are A-stable.
 const A_STABLE: usize = 2;
 
@@ -53,13 +59,14 @@ impl Adams {
     /// Make one step with the implicit corrector.
     ///
     /// # Errors
-    /// When the step size is below rounding.
+    /// When the step size or the tolerances are below rounding.
     pub fn step_newton(
         &mut self,
         system: &mut impl SecondOrderSystem,
     ) -> Result<Step, StepFailure> {
         let state = (&self.vectors.y[..], self.starting);
         (self.norm).update_by_scale(self.instructions, &self.control, system, true, state);
+        self.check_tolerances(system.controlled())?;
         if self.starting {
             // The explicit rule for the first step does not include the stiffness.
             self.start(system);
@@ -107,8 +114,14 @@ impl Adams {
                 failures += 1;
                 // The error is about h^(k+1).
                 let exponent = -1.0 / (self.next.order + 1) as f64;
-                let [smallest, largest] = REJECTED;
-                (SAFETY * estimate.local.powf(exponent)).clamp(smallest, largest)
+                let [smallest, largest] = REDUCTION_AFTER_ERROR;
+                let factor = SAFETY * estimate.local.powf(exponent);
+                // An error that is not a number may be one at a smaller step size.
+                if factor.is_nan() {
+                    smallest
+                } else {
+                    factor.clamp(smallest, largest)
+                }
             } else if system.accepts_step(self.next.size, self.allowed()) {
                 return Ok(estimate);
             } else {
@@ -166,8 +179,8 @@ impl Adams {
         implicit_order(order, h * self.fastest.value()).min(self.control.max_order)
     }
 
-    /// Return whether the step needs no more than its error and its newest difference: order two without sums.
-    pub(super) fn is_plain(&self, nq: usize) -> bool {
+    /// Return whether error and newest difference are enough: order one, or order two where no higher order is permitted, without sums.
+    pub(super) fn needs_newest_difference_only(&self, nq: usize) -> bool {
         let k = self.next.order;
         let alone =
             k < A_STABLE || (k == A_STABLE && self.highest_order(k, self.next.size) <= A_STABLE);
@@ -177,18 +190,19 @@ impl Adams {
     /// Accept the solution; return |φ_{k+2}| where the order may be raised.
     fn accept_newton(&mut self, nq: usize) -> f64 {
         let (k, h) = (self.next.order, self.next.size);
-        let (set, plain) = (self.instructions, self.is_plain(nq));
+        let (set, plain) = (self.instructions, self.needs_newest_difference_only(nq));
         // φ_{k+2} is a second pass over the table: only where it may decide.
         let raise = (self.history).may_raise(k, self.highest_order(k, h));
         let (history, vectors) = (&mut self.history, &mut self.vectors);
+        history.differences.forget_rounding();
         let above = if plain {
             let inverse_gamma = 1.0 / history.gamma(&self.next);
             let velocities = nq..2 * nq;
             let ends = [&vectors.predicted, &vectors.trial].map(|v| &v[velocities.clone()]);
-            history.update_plain(set, (k, h), inverse_gamma, ends);
+            history.update_by_newest_difference(set, (k, h), inverse_gamma, ends);
             0.0
         } else {
-            history.update(set, (k, h), &self.norm, &vectors.slope, raise)
+            history.update(set, (k, h), &self.norm, &vectors.derivative, raise)
         };
         // No last evaluation: the derivative follows from the corrector's equation.
         std::mem::swap(&mut vectors.y, &mut vectors.trial);
@@ -209,7 +223,7 @@ impl Adams {
         self.next.steps_until_growth = STEPS_UNTIL_GROWTH;
         // Evaluations leave the rates of the coordinates out; a failure names its worst component from them.
         let vectors = &mut self.vectors;
-        vectors.slope[..nq].copy_from_slice(&vectors.trial[nq..2 * nq]);
+        vectors.derivative[..nq].copy_from_slice(&vectors.trial[nq..2 * nq]);
         self.undo_step(factor * self.next.size, 2 * nq)?;
         if failures >= FAILURES_TO_ORDER_ONE {
             self.next.order = 1;
@@ -218,7 +232,7 @@ impl Adams {
     }
 }
 
-/// Return the next step size at order one or two, from the error: `h (SAFETY/error)^(1/(k+1))`, or h where the change is small.
+/// Return the next step size at order one or two, from the error: `h SAFETY / error^(1/(k+1))`, or h where the change is small.
 fn low_order_step(h: f64, order: usize, error: f64) -> f64 {
     let root = if order == 1 {
         error.sqrt()
@@ -226,7 +240,96 @@ fn low_order_step(h: f64, order: usize, error: f64) -> f64 {
         error.cbrt()
     };
     // An error of zero gives the largest change.
-    let change = (SAFETY / root).clamp(CHANGE[0], CHANGE[1]);
+    let change = (SAFETY / root).clamp(LOW_ORDER_CHANGE[0], LOW_ORDER_CHANGE[1]);
     let keep = (KEPT[0]..KEPT[1]).contains(&change);
     if keep { h } else { h * change }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::{OdeSystem, StepControl};
+
+    /// q'' = -q, and a sum whose rate is not a number from `end` \[s\] on.
+    #[derive(Clone, Copy)]
+    struct Oscillator {
+        end: f64,
+        gamma: f64,
+    }
+
+    impl OdeSystem for Oscillator {
+        fn dimension(&self) -> usize {
+            3
+        }
+        fn controlled(&self) -> usize {
+            2
+        }
+        fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+            let power = if t < self.end { y[1] } else { f64::NAN };
+            dydt.copy_from_slice(&[y[1], -y[0], power]);
+        }
+    }
+
+    impl SecondOrderSystem for Oscillator {
+        fn coordinates(&self) -> usize {
+            1
+        }
+        fn factorise(&mut self, _y: &[f64], gamma: f64) -> bool {
+            self.gamma = gamma;
+            true
+        }
+        fn correct(&mut self, residual: &mut [f64]) {
+            residual[0] /= 1.0 + self.gamma * self.gamma;
+        }
+        fn scale(&self, lengths: &mut [f64]) {
+            lengths.fill(1.0);
+        }
+    }
+
+    fn started(accuracy: f64, end: f64) -> (Adams, Oscillator) {
+        let control = StepControl {
+            accuracy,
+            max_step: 0.1,
+            ..StepControl::default()
+        };
+        let mut adams = Adams::new(3, control);
+        adams.restart(0.0, &[1.0, 0.0, 0.0]);
+        (adams, Oscillator { end, gamma: 0.0 })
+    }
+
+    #[test]
+    fn the_rounding_of_an_explicit_step_is_compensated_once() {
+        let (mut adams, mut system) = started(1e-14, f64::INFINITY);
+        for _ in 0..40 {
+            adams.step_pece(&mut system).unwrap();
+        }
+        assert!(adams.history.differences.compensates());
+        adams.step_newton(&mut system).unwrap();
+        let (mut other, mut same) = (adams.clone(), system);
+        other.history.differences.forget_rounding();
+        for _ in 0..40 {
+            adams.step_newton(&mut system).unwrap();
+            other.step_newton(&mut same).unwrap();
+            assert_eq!(adams.y(), other.y());
+        }
+    }
+
+    #[test]
+    fn tolerances_below_rounding_are_refused() {
+        let (mut adams, mut system) = started(1e-18, f64::INFINITY);
+        let failure = adams.step_newton(&mut system).unwrap_err();
+        assert!(matches!(failure, StepFailure::ToleranceTooSmall { factor, .. } if factor > 1.0));
+    }
+
+    #[test]
+    fn an_error_that_is_not_a_number_makes_the_step_shorter() {
+        let end = 1.0;
+        let (mut adams, mut system) = started(1e-6, end);
+        let failure = loop {
+            if let Err(failure) = adams.step_newton(&mut system) {
+                break failure;
+            }
+        };
+        assert!((adams.time() - end).abs() < 1e-9, "{failure:?}");
+    }
 }

@@ -3,7 +3,7 @@
 use super::SecondOrderSystem;
 use super::adams::Adams;
 use super::convergence::REMAINDER;
-use super::newton_kernels::{Applied, Apply, Begin, FirstResidual, Residual, Slopes};
+use super::newton_kernels::{Applied, Apply, Begin, DerivativeAtSolution, FirstResidual, Residual};
 use super::order_control::ErrorEstimate;
 
 /// Corrections of one step before it is rejected.
@@ -50,7 +50,7 @@ impl Adams {
         set.run(Begin {
             gamma,
             predicted: (q, v),
-            first: &history.differences.row(0)[..nq],
+            phi_1: &history.differences.row(0)[..nq],
             trial: self.vectors.trial[..2 * nq].split_at_mut(nq),
         });
     }
@@ -73,7 +73,7 @@ impl Adams {
             let residual = self.find_residual(nq, gamma, first);
             // Δ = (1 - γ ∂a/∂v - γ² ∂a/∂q)⁻¹ r, with the factors of the first iterate.
             system.correct(&mut self.vectors.residual[..nq]);
-            system.correct_sum_rates(&mut self.vectors.slope[2 * nq..self.vectors.dimension]);
+            system.correct_sum_rates(&mut self.vectors.derivative[2 * nq..self.vectors.dimension]);
             let applied = self.apply_correction(nq, gamma);
             if first {
                 // The ratio |r|/|Δ| measures the stiffness; later residuals are too small for that.
@@ -91,8 +91,8 @@ impl Adams {
                 return None;
             }
             let remaining = if first {
-                let sums = [applied.error, 0.0, 0.0];
-                let estimate = self.history.estimate_from(&self.next, &self.norm, sums);
+                let squares = [applied.distance, 0.0, 0.0];
+                let estimate = self.history.estimate_from(&self.next, &self.norm, squares);
                 // The error estimate after one correction decides already.
                 if estimate.local > HOPELESS {
                     return Some(estimate);
@@ -101,7 +101,7 @@ impl Adams {
                 let (control, convergence) = (&self.control, &mut self.convergence);
                 // The second correction, c |Δ₁|², may be negligible by the constant c of earlier steps.
                 if convergence.may_skip_second_correction(control, size, safety_factor) {
-                    return Some(self.finish_corrector(nq, gamma, applied.error));
+                    return Some(self.finish_corrector(nq, gamma, applied.distance));
                 }
                 size
             } else {
@@ -109,7 +109,7 @@ impl Adams {
             };
             // Converged: the remaining corrections are far below the error test.
             if remaining <= REMAINDER {
-                return Some(self.finish_corrector(nq, gamma, applied.error));
+                return Some(self.finish_corrector(nq, gamma, applied.distance));
             }
             // The first rate may be large after a contact onset; the second one is decisive.
             if iteration > 1 && size / last > SLOWEST_RATE {
@@ -129,11 +129,11 @@ impl Adams {
     ) -> Option<()> {
         let end = self.time + self.next.size;
         let n = self.vectors.dimension;
-        let (trial, slope) = (&self.vectors.trial[..n], &mut self.vectors.slope[..n]);
+        let (trial, derivative) = (&self.vectors.trial[..n], &mut self.vectors.derivative[..n]);
         if first {
-            system.accelerations_with_slopes(end, trial, slope);
+            system.accelerations_with_slopes(end, trial, derivative);
         } else {
-            system.accelerations(end, trial, slope);
+            system.accelerations(end, trial, derivative);
         }
         self.counts.evaluations += 1;
         // Local unknowns are exact for this iterate: they leave the residual.
@@ -153,12 +153,12 @@ impl Adams {
         }
         let gamma = self.history.gamma(&self.next);
         let local = nq + local.start..nq + local.end;
-        let first = &self.history.differences.row(0)[local.clone()];
+        let phi_1 = &self.history.differences.row(0)[local.clone()];
         let parts = &mut self.vectors.residual[..local.len()];
         for ((part, predicted), phi) in parts
             .iter_mut()
             .zip(&self.vectors.predicted[local])
-            .zip(first)
+            .zip(phi_1)
         {
             *part = predicted - gamma * phi;
         }
@@ -172,24 +172,24 @@ impl Adams {
             return;
         }
         let local = nq + local.start..nq + local.end;
-        let first = &self.history.differences.row(0)[local.clone()];
+        let phi_1 = &self.history.differences.row(0)[local.clone()];
         system.write_local_solution(&mut self.vectors.trial[local.clone()]);
-        self.vectors.slope[local].copy_from_slice(first);
+        self.vectors.derivative[local].copy_from_slice(phi_1);
     }
 
     /// Write the residual of the velocities; return its sum of squares over the weights, at the predicted value.
     fn find_residual(&mut self, nq: usize, gamma: f64, at_prediction: bool) -> f64 {
         let velocities = nq..2 * nq;
         let vectors = &mut self.vectors;
-        let slope = &vectors.slope[velocities.clone()];
-        let first = &self.history.differences.row(0)[velocities.clone()];
+        let derivative = &vectors.derivative[velocities.clone()];
+        let phi_1 = &self.history.differences.row(0)[velocities.clone()];
         let residual = &mut vectors.residual[..nq];
         // At the predicted value p_v - v vanishes.
         if at_prediction {
             return self.instructions.run(FirstResidual {
                 gamma,
-                slope,
-                first,
+                derivative,
+                phi_1,
                 inverse_weight: &self.norm.inverse_weight[velocities],
                 residual,
             });
@@ -198,8 +198,8 @@ impl Adams {
             gamma,
             predicted: &vectors.predicted[velocities.clone()],
             trial: &vectors.trial[velocities],
-            slope,
-            first,
+            derivative,
+            phi_1,
             written: residual,
         });
         0.0
@@ -212,38 +212,41 @@ impl Adams {
             correction: &vectors.residual[..nq],
             inverse_weight: self.norm.inverse_weight[..2 * nq].split_at(nq),
             predicted: &vectors.predicted[nq..2 * nq],
-            first: &self.history.differences.row(0)[..nq],
+            phi_1: &self.history.differences.row(0)[..nq],
             trial: vectors.trial[..2 * nq].split_at_mut(nq),
         })
     }
 
     /// Compute the derivative at the solution from the corrector's equation, and the sums; return the error estimates.
     ///
-    /// `error` is the sum of squares of the derivative's distance from the predicted one.
-    fn finish_corrector(&mut self, nq: usize, gamma: f64, error: f64) -> ErrorEstimate {
-        if self.is_plain(nq) {
-            let sums = [error, 0.0, 0.0];
-            return self.history.estimate_from(&self.next, &self.norm, sums);
+    /// `distance_squares` is the weighted sum of squares of the derivative's distance from the predicted one.
+    fn finish_corrector(&mut self, nq: usize, gamma: f64, distance_squares: f64) -> ErrorEstimate {
+        if self.needs_newest_difference_only(nq) {
+            let squares = [distance_squares, 0.0, 0.0];
+            return self.history.estimate_from(&self.next, &self.norm, squares);
         }
         // Higher orders and sums need the derivative itself, for the table of differences.
         let (k, h) = (self.next.order, self.next.size);
         let velocities = nq..2 * nq;
         let (vectors, history) = (&mut self.vectors, &self.history);
-        let phi = history.differences.row(0);
-        self.instructions.run(Slopes {
+        let phi_1 = history.differences.row(0);
+        self.instructions.run(DerivativeAtSolution {
             inverse_gamma: 1.0 / gamma,
             predicted: &vectors.predicted[velocities.clone()],
             trial: &vectors.trial[velocities.clone()],
-            first: &phi[velocities],
-            slope: vectors.slope[..2 * nq].split_at_mut(nq),
+            phi_1: &phi_1[velocities],
+            derivative: vectors.derivative[..2 * nq].split_at_mut(nq),
         });
         // Sums have no effect on the motion: the formula of one order more is as stable and has a smaller error.
         let weight = h * history.coefficients.g[k];
-        let sums = 2 * nq..vectors.dimension;
-        let slopes = vectors.slope[sums.clone()].iter().zip(&phi[sums.clone()]);
-        let predicted = vectors.predicted[sums.clone()].iter().zip(slopes);
-        for (sum, (predicted, (slope, phi))) in vectors.trial[sums].iter_mut().zip(predicted) {
-            *sum = predicted + weight * (slope - phi);
+        let sum_components = 2 * nq..vectors.dimension;
+        let derivatives = vectors.derivative[sum_components.clone()].iter();
+        let slopes = derivatives.zip(&phi_1[sum_components.clone()]);
+        let predicted = vectors.predicted[sum_components.clone()].iter().zip(slopes);
+        for (sum, (predicted, (derivative, phi))) in
+            vectors.trial[sum_components].iter_mut().zip(predicted)
+        {
+            *sum = predicted + weight * (derivative - phi);
         }
         history.estimate_error(self.instructions, &self.next, &self.norm, vectors)
     }

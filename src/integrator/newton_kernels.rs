@@ -11,7 +11,7 @@ pub(super) struct Begin<'a> {
     /// Predicted coordinates and velocities.
     pub(super) predicted: (&'a [f64], &'a [f64]),
     /// φ*_1 of the coordinates.
-    pub(super) first: &'a [f64],
+    pub(super) phi_1: &'a [f64],
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }
 
@@ -20,18 +20,18 @@ impl WithSimd for Begin<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let n = self.first.len();
+        let n = self.phi_1.len();
         let gamma = Lanes::splat(simd, self.gamma);
         let q = SliceLanes::<S>::new(simd, self.predicted.0, n);
         let v = SliceLanes::<S>::new(simd, self.predicted.1, n);
-        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
         let mut trial_q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
         let mut trial_v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
         each_vector!(S, n, |at| {
             let speed = v.get(at);
             // v = p_v; q = p_q + γ (v - φ*_q).
             trial_v.set(at, speed);
-            trial_q.set(at, gamma.mul_add(speed - first.get(at), q.get(at)));
+            trial_q.set(at, gamma.mul_add(speed - phi_1.get(at), q.get(at)));
         });
     }
 }
@@ -142,7 +142,7 @@ pub(super) struct NewtonDifference<'a> {
     pub(super) predicted: &'a [f64],
     pub(super) trial: &'a [f64],
     /// φ*_1 of the coordinates.
-    pub(super) first: &'a [f64],
+    pub(super) phi_1: &'a [f64],
     /// Newest difference of coordinates and of velocities.
     pub(super) rows: (&'a mut [f64], &'a mut [f64]),
 }
@@ -156,12 +156,12 @@ impl WithSimd for NewtonDifference<'_> {
         let inverse = Lanes::splat(simd, self.inverse_gamma);
         let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
         let trial = SliceLanes::<S>::new(simd, self.trial, n);
-        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
         let mut newest_q = SliceLanesMut::<S>::new(simd, self.rows.0, n);
         let mut newest_v = SliceLanesMut::<S>::new(simd, self.rows.1, n);
         each_vector!(S, n, |at| {
             let speed = trial.get(at);
-            newest_q.set(at, speed - first.get(at));
+            newest_q.set(at, speed - phi_1.get(at));
             newest_v.set(at, (speed - predicted.get(at)) * inverse);
         });
     }
@@ -170,8 +170,8 @@ impl WithSimd for NewtonDifference<'_> {
 /// Write the residual at the predicted value, `γ (a - φ*_v)`; return its weighted sum of squares.
 pub(super) struct FirstResidual<'a> {
     pub(super) gamma: f64,
-    pub(super) slope: &'a [f64],
-    pub(super) first: &'a [f64],
+    pub(super) derivative: &'a [f64],
+    pub(super) phi_1: &'a [f64],
     pub(super) inverse_weight: &'a [f64],
     pub(super) residual: &'a mut [f64],
 }
@@ -183,14 +183,14 @@ impl WithSimd for FirstResidual<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let n = self.residual.len();
         let gamma = Lanes::splat(simd, self.gamma);
-        let slope = SliceLanes::<S>::new(simd, self.slope, n);
-        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let derivative = SliceLanes::<S>::new(simd, self.derivative, n);
+        let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
         let weight = SliceLanes::<S>::new(simd, self.inverse_weight, n);
         let mut residual = SliceLanesMut::<S>::new(simd, self.residual, n);
         let mut sum = Squares::new(simd);
         each_vector!(S, n, |part, at| {
             // r = γ (a - φ*_v) at the predicted value.
-            let left = gamma * (slope.get(at) - first.get(at));
+            let left = gamma * (derivative.get(at) - phi_1.get(at));
             residual.set(at, left);
             sum.add(part, left * weight.get(at));
         });
@@ -203,8 +203,8 @@ pub(super) struct Residual<'a> {
     pub(super) gamma: f64,
     pub(super) predicted: &'a [f64],
     pub(super) trial: &'a [f64],
-    pub(super) slope: &'a [f64],
-    pub(super) first: &'a [f64],
+    pub(super) derivative: &'a [f64],
+    pub(super) phi_1: &'a [f64],
     pub(super) written: &'a mut [f64],
 }
 
@@ -217,13 +217,16 @@ impl WithSimd for Residual<'_> {
         let gamma = Lanes::splat(simd, self.gamma);
         let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
         let trial = SliceLanes::<S>::new(simd, self.trial, n);
-        let slope = SliceLanes::<S>::new(simd, self.slope, n);
-        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let derivative = SliceLanes::<S>::new(simd, self.derivative, n);
+        let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
         let mut residual = SliceLanesMut::<S>::new(simd, self.written, n);
         each_vector!(S, n, |at| {
             // r = p_v - v + γ (a - φ*_v).
             let distance = predicted.get(at) - trial.get(at);
-            residual.set(at, gamma.mul_add(slope.get(at) - first.get(at), distance));
+            residual.set(
+                at,
+                gamma.mul_add(derivative.get(at) - phi_1.get(at), distance),
+            );
         });
     }
 }
@@ -237,7 +240,7 @@ pub(super) struct Apply<'a> {
     /// Predicted velocities.
     pub(super) predicted: &'a [f64],
     /// φ*_1 of the coordinates.
-    pub(super) first: &'a [f64],
+    pub(super) phi_1: &'a [f64],
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }
 
@@ -249,7 +252,7 @@ pub(super) struct Applied {
     /// Correction of the velocities.
     pub(super) speeds: f64,
     /// Newest difference, from which the error estimate follows: `v - φ*_q` and `(v - p_v)/γ`.
-    pub(super) error: f64,
+    pub(super) distance: f64,
 }
 
 /// Sums of [`Apply`] as SIMD vectors.
@@ -258,16 +261,16 @@ struct ApplySums<S: Simd> {
     inverse: Lanes<S>,
     lengths: Squares<S>,
     speeds: Squares<S>,
-    error: Squares<S>,
+    distance: Squares<S>,
 }
 
 /// One vector of the operands of [`Apply`].
-struct Correction<S: Simd> {
+struct Operands<S: Simd> {
     change: Lanes<S>,
     weight_q: Lanes<S>,
     weight_v: Lanes<S>,
     predicted: Lanes<S>,
-    first: Lanes<S>,
+    phi_1: Lanes<S>,
     q: Lanes<S>,
     v: Lanes<S>,
 }
@@ -275,7 +278,7 @@ struct Correction<S: Simd> {
 impl<S: Simd> ApplySums<S> {
     /// Return corrected coordinates and velocities; add their squares to the sums.
     #[inline(always)]
-    fn correct(&mut self, part: usize, at: &Correction<S>) -> [Lanes<S>; 2] {
+    fn correct(&mut self, part: usize, at: &Operands<S>) -> [Lanes<S>; 2] {
         // Correction of the coordinates: q follows v with the factor γ.
         let length = self.gamma * at.change;
         let v = at.v + at.change;
@@ -284,8 +287,8 @@ impl<S: Simd> ApplySums<S> {
         // φ_{k+1} of velocities, (v - p_v)/γ, from the corrector's equation.
         let acceleration = (v - at.predicted) * self.inverse;
         // Both differences go into one sum: the error norm is over coordinates and velocities.
-        self.error.add(part, (v - at.first) * at.weight_q);
-        self.error.add(part, acceleration * at.weight_v);
+        self.distance.add(part, (v - at.phi_1) * at.weight_q);
+        self.distance.add(part, acceleration * at.weight_v);
         [at.q + length, v]
     }
 }
@@ -300,7 +303,7 @@ impl WithSimd for Apply<'_> {
         let weight_q = SliceLanes::<S>::new(simd, self.inverse_weight.0, n);
         let weight_v = SliceLanes::<S>::new(simd, self.inverse_weight.1, n);
         let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
-        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
         let mut q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
         let mut v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
         let mut sums = ApplySums {
@@ -308,15 +311,15 @@ impl WithSimd for Apply<'_> {
             inverse: Lanes::splat(simd, 1.0 / self.gamma),
             lengths: Squares::new(simd),
             speeds: Squares::new(simd),
-            error: Squares::new(simd),
+            distance: Squares::new(simd),
         };
         each_vector!(S, n, |part, at| {
-            let values = Correction {
+            let values = Operands {
                 change: correction.get(at),
                 weight_q: weight_q.get(at),
                 weight_v: weight_v.get(at),
                 predicted: predicted.get(at),
-                first: first.get(at),
+                phi_1: phi_1.get(at),
                 q: q.get(at),
                 v: v.get(at),
             };
@@ -327,21 +330,21 @@ impl WithSimd for Apply<'_> {
         Applied {
             lengths: sums.lengths.total(),
             speeds: sums.speeds.total(),
-            error: sums.error.total(),
+            distance: sums.distance.total(),
         }
     }
 }
 
 /// Write the derivative at a solution from the corrector's equation: `dq/dt = v`, `dv/dt = φ*_v + (v - p_v)/γ`.
-pub(super) struct Slopes<'a> {
+pub(super) struct DerivativeAtSolution<'a> {
     pub(super) inverse_gamma: f64,
     pub(super) predicted: &'a [f64],
     pub(super) trial: &'a [f64],
-    pub(super) first: &'a [f64],
-    pub(super) slope: (&'a mut [f64], &'a mut [f64]),
+    pub(super) phi_1: &'a [f64],
+    pub(super) derivative: (&'a mut [f64], &'a mut [f64]),
 }
 
-impl WithSimd for Slopes<'_> {
+impl WithSimd for DerivativeAtSolution<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -350,14 +353,14 @@ impl WithSimd for Slopes<'_> {
         let inverse = Lanes::splat(simd, self.inverse_gamma);
         let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
         let trial = SliceLanes::<S>::new(simd, self.trial, n);
-        let first = SliceLanes::<S>::new(simd, self.first, n);
-        let mut rates = SliceLanesMut::<S>::new(simd, self.slope.0, n);
-        let mut accelerations = SliceLanesMut::<S>::new(simd, self.slope.1, n);
+        let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
+        let mut rates = SliceLanesMut::<S>::new(simd, self.derivative.0, n);
+        let mut accelerations = SliceLanesMut::<S>::new(simd, self.derivative.1, n);
         each_vector!(S, n, |at| {
             let speed = trial.get(at);
             rates.set(at, speed);
             let distance = speed - predicted.get(at);
-            accelerations.set(at, inverse.mul_add(distance, first.get(at)));
+            accelerations.set(at, inverse.mul_add(distance, phi_1.get(at)));
         });
     }
 }

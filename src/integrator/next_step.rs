@@ -56,11 +56,12 @@ impl NextStep {
         // The solution changes by its own size in the time scale: the first step is not longer.
         let mut h = control.max_step.min(scale).min(self.longest);
         // The error of order one is about h² |f|; the first step takes a sixteenth of the tolerance.
+        // h = sqrt(1/16)/sqrt(|f|) makes h² |f| a sixteenth of the tolerance (DE/STEP).
         if 16.0 * slope * h * h > 1.0 {
             h = 0.25 / slope.sqrt();
         }
         // An infinite derivative gives h = 0, which no rejection can make smaller.
-        let rounding = ROUNDING_OF_TIME * time.abs().max(FIRST_STEP_SHARE * h);
+        let rounding = shortest_at(time).max(ROUNDING_OF_TIME * FIRST_STEP_SHARE * h);
         self.smallest = rounding.max(f64::MIN_POSITIVE);
         self.size = h.max(self.smallest);
         self.order = 1;
@@ -71,7 +72,7 @@ impl NextStep {
     pub(super) fn limit(&mut self, longest: f64, time: f64) {
         self.longest = longest;
         if longest < self.size {
-            self.size = longest.max(ROUNDING_OF_TIME * time.abs());
+            self.size = longest.max(shortest_at(time));
         }
     }
 
@@ -82,13 +83,13 @@ impl NextStep {
 
     /// Return whether a step of size `h` \[s\] changes `time` by more than rounding.
     pub(super) fn exceeds_rounding(&mut self, h: f64, time: f64) -> bool {
-        self.smallest = self.smallest.max(ROUNDING_OF_TIME * time.abs());
+        self.smallest = self.smallest.max(shortest_at(time));
         h >= self.smallest
     }
 
-    /// Set the next step size, between the rounding of `time` and the largest step.
+    /// Set the next step size, between the rounding of `time` and the largest step. The caller applies [`Self::limit`] afterwards.
     pub(super) fn set_size(&mut self, h: f64, control: &StepControl, time: f64) {
-        self.size = h.max(ROUNDING_OF_TIME * time.abs()).min(control.max_step);
+        self.size = h.max(shortest_at(time)).min(control.max_step);
     }
 
     /// Raise the order by one and double the step size in the start phase; return false outside of it.
@@ -109,4 +110,9 @@ impl NextStep {
         }
         self.growing
     }
+}
+
+/// Return the smallest step size that changes `time` \[s\].
+fn shortest_at(time: f64) -> f64 {
+    ROUNDING_OF_TIME * time.abs()
 }

@@ -13,9 +13,9 @@ const FADING: f64 = 0.95;
 
 /// Step size times rate at which the Adams-Moulton formula of each order becomes unstable.
 ///
-/// The smallest of the limits of an undamped vibration, a damped one (ζ = 0.71) and a damper, from the roots of the recurrence. Growth of
-/// 1 % per step is permitted at orders 3 and 4, of 0.1 % above. Orders 1 and 2 are A-stable. The unit test of this module checks the
-/// limits.
+/// The smallest of the limits of an undamped vibration, a damped one (ζ = 0.71) and a damper, from the roots of the recurrence.
+/// Orders 1 and 2 are A-stable. Limits are rounded to two digits. At 0.95 of a limit the growth per step is at most 0.9 % at orders 3
+/// and 4, and 0.1 % above. The unit test of this module checks these bounds.
 const IMPLICIT: [f64; MAX_ORDER] = [
     f64::INFINITY,
     f64::INFINITY,
@@ -31,7 +31,7 @@ const IMPLICIT: [f64; MAX_ORDER] = [
     0.07,
 ];
 
-/// The same limits for PECE with a corrector of one order more than the predictor.
+/// The same limits for PECE with a corrector of one order more than the predictor; growth at 0.95 of a limit is at most 0.8 %.
 const EXPLICIT: [f64; MAX_ORDER] = [
     0.5, 1.2, 1.18, 0.95, 0.71, 0.52, 0.37, 0.26, 0.18, 0.12, 0.08, 0.045,
 ];
@@ -73,7 +73,8 @@ impl FastestRate {
     /// Record the rate of one step from the first correction of Newton's method.
     ///
     /// For one direction of stiffness ω² and damping d the residual over the correction is `1 + γ d + γ² ω²`. `residual` and `corrected`
-    /// are sums of squares over all directions: the rate is a lower bound of the largest one.
+    /// are sums of squares over all directions. One number cannot tell a spring from a damper: the larger of both rates is taken, which is
+    /// above ω for a spring with γ ω > 1. Of several directions the sum of squares shows a mean, which is below the largest rate.
     pub(super) fn record_correction(&mut self, residual: f64, corrected: f64, gamma: f64) {
         let rate = if corrected > 0.0 {
             // γ d + γ² ω² of the directions in the residual.
@@ -175,13 +176,14 @@ mod tests {
             };
             if order > 2 {
                 let limit = IMPLICIT[order - 1];
-                assert!(growth(0.95 * limit, implicit) < 1.011, "order {order}");
+                let bound = if order <= 4 { 1.009 } else { 1.001 };
+                assert!(growth(0.95 * limit, implicit) < bound, "order {order}");
                 assert!(growth(1.2 * limit, implicit) > 1.001, "order {order}");
             } else {
                 assert!(growth(1e3, implicit) < 1.0 + 1e-9, "order {order}");
             }
             let limit = EXPLICIT[order - 1];
-            assert!(growth(0.95 * limit, explicit) < 1.011, "order {order}");
+            assert!(growth(0.95 * limit, explicit) < 1.008, "order {order}");
             assert!(growth(1.2 * limit, explicit) > 1.001, "order {order}");
         }
     }

@@ -13,7 +13,7 @@ pub(super) struct Vectors {
     /// Solution at the time reached.
     pub(super) y: Numbers,
     /// Derivative at the last evaluation.
-    pub(super) slope: Numbers,
+    pub(super) derivative: Numbers,
     /// Predicted value p.
     pub(super) predicted: Numbers,
     /// Corrected value or Newton iterate of a step that is not accepted yet.
@@ -28,7 +28,7 @@ impl Vectors {
         Self {
             dimension,
             y: zeros(),
-            slope: zeros(),
+            derivative: zeros(),
             predicted: zeros(),
             trial: zeros(),
             residual: zeros(),
@@ -38,25 +38,26 @@ impl Vectors {
     /// Evaluate the right-hand side at the solution.
     pub(super) fn evaluate_at_solution(&mut self, system: &mut impl OdeSystem, t: f64) {
         let n = self.dimension;
-        system.derivative(t, &self.y[..n], &mut self.slope[..n]);
+        system.derivative(t, &self.y[..n], &mut self.derivative[..n]);
     }
 
     /// Evaluate the right-hand side at the predicted value.
     pub(super) fn evaluate_at_prediction(&mut self, system: &mut impl OdeSystem, t: f64) {
         let n = self.dimension;
-        system.derivative(t, &self.predicted[..n], &mut self.slope[..n]);
+        system.derivative(t, &self.predicted[..n], &mut self.derivative[..n]);
     }
 
     /// Return the lengths of all vectors.
     pub(super) fn lengths(&self) -> [usize; 6] {
         let vectors = [
             &self.y,
-            &self.slope,
+            &self.derivative,
             &self.predicted,
             &self.trial,
             &self.residual,
         ];
-        let [y, slope, predicted, trial, residual] = vectors.map(|vector| vector.as_slice().len());
-        [self.dimension, y, slope, predicted, trial, residual]
+        let [y, derivative, predicted, trial, residual] =
+            vectors.map(|vector| vector.as_slice().len());
+        [self.dimension, y, derivative, predicted, trial, residual]
     }
 }

@@ -31,11 +31,11 @@ pub(super) fn set_contact_memory(
     let (memory, parted) = (&dynamics.memory, dynamics.parted());
     state.set_item(
         "hinge_onset_speed",
-        memory.hinge_speed().to_vec().into_pyarray(py),
+        memory.hinge_impact_velocity().to_vec().into_pyarray(py),
     )?;
     state.set_item(
         "tooth_onset_speed",
-        by_bushing(model, |pair| memory.tooth_speed[pair])
+        by_bushing(model, |pair| memory.tooth_impact_velocity[pair])
             .into_pyarray(py)
             .reshape([model.links, model.sprockets.len()])?,
     )?;
@@ -46,7 +46,7 @@ pub(super) fn set_contact_memory(
             .reshape([model.links, model.sprockets.len()])?,
     )?;
     if model.rollers.is_some() {
-        let speeds = memory.roller_speed().to_vec();
+        let speeds = memory.roller_impact_velocity().to_vec();
         state.set_item("roller_onset_speed", speeds.into_pyarray(py))?;
         let parted = dynamics.parted_rollers();
         state.set_item("parted_rollers", parted.into_pyarray(py))?;

@@ -130,7 +130,7 @@ impl<S: System> Recorder<S> {
         if S::records_energy(self.groups)
             && let Some(energy) = system.energy_at_step_end()
         {
-            self.balance.take_in(energy);
+            self.balance.include(energy);
         }
     }
 

@@ -279,7 +279,7 @@ impl<S: System> Simulation<S> {
         self.limit_step();
         self.system.meter_step(&self.adams, &step);
         if let (Some(begin), Some(stepped)) = (begin, stepped) {
-            self.wall.take_in(stepped - begin, stepped.elapsed());
+            self.wall.include(stepped - begin, stepped.elapsed());
         }
         Ok(())
     }

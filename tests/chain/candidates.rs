@@ -67,9 +67,9 @@ fn run(scene: &Scene, tolerance: f64, end: f64) -> Met {
     let mut gaps = vec![None; scene.model.links * scene.model.sprockets.len()];
     let mut met = Met::default();
     while adams.time() < end {
-        dynamics.begin_step();
+        dynamics.forget_ended_contacts();
         let step = adams.step(&mut dynamics).unwrap();
-        dynamics.finish_step(&adams, &step);
+        dynamics.record_contact_events(&adams, &step);
         let y = adams.y().to_vec();
         met.contacts += assert_none_missed(&mut dynamics, adams.time(), &y);
         assert_memory_is_that_of_contacts(&dynamics);
@@ -91,7 +91,7 @@ fn run(scene: &Scene, tolerance: f64, end: f64) -> Met {
 /// Pairs in contact have a memory, and pairs apart have one only until the next step begins.
 fn assert_memory_is_that_of_contacts(dynamics: &Dynamics) {
     let (_, parted) = dynamics.parted();
-    for (pair, &speed) in dynamics.memory.tooth_speed.iter().enumerate() {
+    for (pair, &speed) in dynamics.memory.tooth_impact_velocity.iter().enumerate() {
         let depth = dynamics.evaluated.teeth.penetration[pair];
         if depth > ROUNDING {
             assert!(speed > 0.0, "pair {pair} at {depth:e} m has no memory");
@@ -305,7 +305,7 @@ fn a_pair_that_flies_off_within_a_step_forgets_its_contact() {
     scene.shake(&mut Noise(2), 1e-4, 0.1);
     let (mut dynamics, mut adams) = scene.ready(control(1e-5));
     let live = |dynamics: &Dynamics| {
-        let speeds = dynamics.memory.tooth_speed.iter();
+        let speeds = dynamics.memory.tooth_impact_velocity.iter();
         speeds.filter(|&&speed| speed > 0.0).count()
     };
     assert!(live(&dynamics) > 5);
@@ -313,9 +313,9 @@ fn a_pair_that_flies_off_within_a_step_forgets_its_contact() {
     scene.motion.y.iter_mut().for_each(|y| *y += 1.0);
     adams.restart(0.0, &scene.y());
     for _ in 0..2 {
-        dynamics.begin_step();
+        dynamics.forget_ended_contacts();
         let step = adams.step(&mut dynamics).unwrap();
-        dynamics.finish_step(&adams, &step);
+        dynamics.record_contact_events(&adams, &step);
     }
     assert_eq!(live(&dynamics), 0);
 }

@@ -100,7 +100,7 @@ fn changes_that_are_none_leave_path_contacts_and_balance() {
         run.set_input(DRIVEN, Quantity::Torque, torque.into())
             .unwrap();
         let depths = run.present().evaluated.hinges.penetration.clone();
-        let speeds = run.dynamics().memory.hinge_speed();
+        let speeds = run.dynamics().memory.hinge_impact_velocity();
         for (k, (depth, speed)) in depths.iter().zip(speeds).enumerate() {
             assert_eq!(*depth > 0.0, *speed > 0.0, "hinge {} after {i}", k + 1);
         }

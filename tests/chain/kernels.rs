@@ -307,9 +307,9 @@ fn same_bits(least: u64, make: impl Fn(&mut Adams, &mut Dynamics) -> Step) {
     let (mut steps, mut refreshes) = (0u64, 0);
     while runs[0].1.time() < 0.01 {
         for (dynamics, adams) in &mut runs {
-            dynamics.begin_step();
+            dynamics.forget_ended_contacts();
             let step = make(adams, dynamics);
-            dynamics.finish_step(adams, &step);
+            dynamics.record_contact_events(adams, &step);
         }
         let [(first, one), (_, other), ..] = &runs[..] else {
             unreachable!()

@@ -32,16 +32,16 @@ fn run(scene: &Scene, control: StepControl, duration: f64, look: bool) -> Seen {
     let mut seen = Seen::default();
     let mut live = vec![false; n * (1 + model.sprockets.len())];
     while adams.time() < duration {
-        dynamics.begin_step();
+        dynamics.forget_ended_contacts();
         let step = adams.step_second_order(&mut dynamics).unwrap();
-        dynamics.finish_step(&adams, &step);
-        adams.limit_step(dynamics.longest_step());
+        dynamics.record_contact_events(&adams, &step);
+        adams.limit_step(dynamics.longest_step_past_teeth());
         seen.steps += 1;
         let depths = dynamics.hinge_contacts().map(|(depth, _)| depth);
         let depths = depths.chain(dynamics.candidates().map(|(.., depth, _)| depth));
         seen.deepest = depths.fold(seen.deepest, f64::max);
-        let speeds = dynamics.memory.hinge_speed().iter();
-        let speeds = speeds.chain(&dynamics.memory.tooth_speed);
+        let speeds = dynamics.memory.hinge_impact_velocity().iter();
+        let speeds = speeds.chain(&dynamics.memory.tooth_impact_velocity);
         for (pair, (&speed, live)) in speeds.zip(&mut live).enumerate() {
             let was_live = std::mem::replace(live, speed > 0.0);
             if !look || was_live || *live {
@@ -61,8 +61,9 @@ fn run(scene: &Scene, control: StepControl, duration: f64, look: bool) -> Seen {
         }
     }
     seen.onsets = dynamics.memory.counts().onsets;
-    seen.onset_speeds = dynamics.memory.hinge_speed().to_vec();
-    seen.onset_speeds.extend(&dynamics.memory.tooth_speed);
+    seen.onset_speeds = dynamics.memory.hinge_impact_velocity().to_vec();
+    seen.onset_speeds
+        .extend(&dynamics.memory.tooth_impact_velocity);
     seen
 }
 
@@ -124,7 +125,7 @@ fn a_pair_along_a_step_is_where_the_whole_state_has_it() {
         let mut teeth = 0;
         for _ in 0..40 {
             let step = adams.step_second_order(&mut dynamics).unwrap();
-            dynamics.finish_step(&adams, &step);
+            dynamics.record_contact_events(&adams, &step);
             for part in [0.0, 0.3, 1.0] {
                 let t = step.start + part * (step.end - step.start);
                 adams.interpolate(t, &mut y);
@@ -241,14 +242,14 @@ fn first_onset(scene: &Scene, control: StepControl, duration: f64) -> (usize, f6
     let mut steps = 0;
     while dynamics.memory.counts().onsets == before {
         assert!(adams.time() < duration, "no onset in {steps} steps");
-        dynamics.begin_step();
+        dynamics.forget_ended_contacts();
         let step = adams.step_second_order(&mut dynamics).unwrap();
-        dynamics.finish_step(&adams, &step);
-        adams.limit_step(dynamics.longest_step());
+        dynamics.record_contact_events(&adams, &step);
+        adams.limit_step(dynamics.longest_step_past_teeth());
         steps += 1;
     }
-    let speeds = dynamics.memory.hinge_speed().iter();
-    let speeds = speeds.chain(&dynamics.memory.tooth_speed);
+    let speeds = dynamics.memory.hinge_impact_velocity().iter();
+    let speeds = speeds.chain(&dynamics.memory.tooth_impact_velocity);
     (steps, speeds.fold(0.0, |a, &b| a.max(b)))
 }
 
@@ -283,9 +284,9 @@ fn a_contact_that_opens_and_closes_inside_a_step_begins_anew() {
         assert_eq!(dynamics.memory.counts().onsets, 2);
         let mut made = 0;
         while adams.time() < once {
-            dynamics.begin_step();
+            dynamics.forget_ended_contacts();
             let step = adams.step_second_order(&mut dynamics).unwrap();
-            dynamics.finish_step(&adams, &step);
+            dynamics.record_contact_events(&adams, &step);
             made += 1;
         }
         let depths: Vec<f64> = dynamics.hinge_contacts().map(|(depth, _)| depth).collect();
@@ -293,7 +294,7 @@ fn a_contact_that_opens_and_closes_inside_a_step_begins_anew() {
         assert!(depths[1] > 0.0 && depths[2] > 0.0);
         assert_eq!(dynamics.memory.counts().onsets, 4, "{made} steps");
         for k in [1, 2] {
-            let onset = dynamics.memory.hinge_speed()[k];
+            let onset = dynamics.memory.hinge_impact_velocity()[k];
             assert!((onset - speed).abs() < 1e-3 * speed, "{onset} m/s");
         }
     }
@@ -309,10 +310,10 @@ fn no_step_moves_a_bushing_past_a_tooth() {
     let (mut dynamics, mut adams) = scene.ready(explicit(1e-2, 1e-3));
     let mut longest: f64 = 0.0;
     while adams.time() < 5e-3 {
-        dynamics.begin_step();
+        dynamics.forget_ended_contacts();
         let step = adams.step_second_order(&mut dynamics).unwrap();
-        dynamics.finish_step(&adams, &step);
-        adams.limit_step(dynamics.longest_step());
+        dynamics.record_contact_events(&adams, &step);
+        adams.limit_step(dynamics.longest_step_past_teeth());
         longest = longest.max(step.end - step.start);
     }
     let pitches = speed * longest / (2.0 * scene.model.half_pitch);

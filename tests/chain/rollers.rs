@@ -193,10 +193,10 @@ fn every_width_runs_through_the_same_bits() {
                 dynamics.use_instructions(set);
                 adams.use_instructions(set);
                 while adams.time() < 7e-3 {
-                    dynamics.begin_step();
+                    dynamics.forget_ended_contacts();
                     let step = adams.step_second_order(&mut dynamics).unwrap();
-                    dynamics.finish_step(&adams, &step);
-                    adams.limit_step(dynamics.longest_step());
+                    dynamics.record_contact_events(&adams, &step);
+                    adams.limit_step(dynamics.longest_step_past_teeth());
                 }
                 let found = adams.y().to_vec();
                 let same = *bits.get_or_insert_with(|| found.clone()) == found;

@@ -11,7 +11,7 @@ use rustchain::force_law::PairTable;
 use rustchain::geometry::{SurfaceCurve, Vec2};
 use rustchain::integrator::OdeSystem;
 
-use super::scalar_reference::{Contact, Reference, ToothContact, elastic};
+use super::scalar_reference::{Contact, Reference, ToothContact, elastic, impact_velocity};
 
 const UNIT: f64 = f64::EPSILON;
 
@@ -243,9 +243,7 @@ fn hinge_errors(dynamics: &Dynamics, reference: &Reference, k: usize) -> Errors 
         distance: penetration + model.hinges.clearance,
         size: size[0].max(size[1]) + model.half_pitch,
         speed: speed[0].max(speed[1]),
-        onset: dynamics
-            .memory
-            .onset_speed(dynamics.memory.hinge_speed()[k], rate),
+        onset: impact_velocity(model, dynamics.memory.hinge_impact_velocity()[k], rate),
         lambda: model.hinges.law.lambda,
     }
     .errors(|depth| elastic(&model.hinges.law.pairs, 0, 0.0, depth))
@@ -272,9 +270,7 @@ fn roller_errors(dynamics: &Dynamics, reference: &Reference, k: usize) -> Errors
         distance: penetration + rollers.clearance,
         size: size[0].max(size[1]) + model.half_pitch,
         speed: speed[0].max(speed[1]),
-        onset: dynamics
-            .memory
-            .onset_speed(dynamics.memory.roller_speed()[k], rate),
+        onset: impact_velocity(model, dynamics.memory.roller_impact_velocity()[k], rate),
         lambda: rollers.law.lambda,
     }
     .errors(|depth| elastic(&rollers.law.pairs, 0, 0.0, depth))
@@ -323,9 +319,7 @@ fn tooth_errors(
             + motion.vx[body].abs().max(motion.vy[body].abs())
             + reach * motion.spin[body].abs()
             + model.half_pitch * motion.spin[turning].abs(),
-        onset: dynamics
-            .memory
-            .onset_speed(dynamics.memory.tooth_speed[pair], rate),
+        onset: impact_velocity(model, dynamics.memory.tooth_impact_velocity[pair], rate),
         lambda: model.teeth.law.lambda,
     }
     .errors(|depth| elastic(&model.teeth.law.pairs, number, 0.0, depth))

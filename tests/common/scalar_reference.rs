@@ -13,6 +13,15 @@ use rustchain::drive::bushing_on_front;
 use rustchain::force_law::{Friction, LuGre, PairTable, Regions};
 use rustchain::geometry::{Surface, Vec2, turned_left};
 
+/// The impact velocity of the damping law: the remembered one, or the present rate, at least the minimum.
+pub fn impact_velocity(model: &Model, remembered: f64, rate: f64) -> f64 {
+    if remembered > 0.0 {
+        remembered
+    } else {
+        rate.max(model.min_impact_velocity)
+    }
+}
+
 /// Elastic force of a pair of surfaces with a compliance \[m/N\] in series \[N\].
 pub fn elastic(table: &PairTable, pair: usize, compliance: f64, depth: f64) -> f64 {
     let pair = table.pair(pair);
@@ -220,8 +229,8 @@ impl Reference {
         let [front, rear] = [self.end(model, k, 1.0), self.end(model, next, -1.0)];
         let (offset, velocity) = (front[0] - rear[0], front[1] - rear[1]);
         let mut contact = Contact::in_bore(offset, velocity, model.hinges.clearance);
-        let remembered = dynamics.memory.hinge_speed()[k];
-        let onset = dynamics.memory.onset_speed(remembered, contact.rate);
+        let remembered = dynamics.memory.hinge_impact_velocity()[k];
+        let onset = impact_velocity(model, remembered, contact.rate);
         let compliance = model.hinges.compliance_at(k).unwrap_or(0.0);
         let elastic = |depth| elastic(&law.pairs, 0, compliance, depth);
         contact.press(elastic, law.lambda, onset);
@@ -263,8 +272,8 @@ impl Reference {
         let [bushing, roller] = [self.bushing(model, k), self.body(model.links + k)];
         let velocity = bushing[1] - roller[1];
         let mut contact = Contact::in_bore(bushing[0] - roller[0], velocity, of.clearance);
-        let remembered = dynamics.memory.roller_speed()[k];
-        let onset = dynamics.memory.onset_speed(remembered, contact.rate);
+        let remembered = dynamics.memory.roller_impact_velocity()[k];
+        let onset = impact_velocity(model, remembered, contact.rate);
         let elastic = |depth| elastic(&of.law.pairs, 0, 0.0, depth);
         contact.press(elastic, of.law.lambda, onset);
         let deflection = deflection(deflections, &model.bristles.rollers, k);
@@ -304,11 +313,11 @@ impl Reference {
         let arm = place - center[0];
         let at = found.contact;
         let mut contact = Contact::new(at.normal, at.penetration, at.penetration_rate);
-        let remembered = memory.tooth_speed[pair];
+        let remembered = memory.tooth_impact_velocity[pair];
         let kept = model.teeth.law.regions == Regions::Kept && remembered > 0.0;
         let stiffness_surface = [found.surface, memory.tooth_surface[pair]][usize::from(kept)];
         let number = model.tooth_pair(s, stiffness_surface);
-        let onset = memory.onset_speed(remembered, contact.rate);
+        let onset = impact_velocity(model, remembered, contact.rate);
         let elastic = |depth| elastic(&model.teeth.law.pairs, number, 0.0, depth);
         contact.press(elastic, model.teeth.law.lambda, onset);
         let deflection = deflection(deflections, &model.bristles.teeth, pair);

@@ -218,7 +218,7 @@ impl Scene {
         dynamics.remember_present_contacts(0.0, &y);
         let mut adams = Adams::new(self.dimension(), control);
         adams.restart(0.0, &y);
-        adams.limit_step(dynamics.longest_step());
+        adams.limit_step(dynamics.longest_step_past_teeth());
         (dynamics, adams)
     }
 }

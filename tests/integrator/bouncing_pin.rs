@@ -5,7 +5,7 @@ use rustchain::force_law::{
 };
 use rustchain::geometry::Contact;
 use rustchain::geometry::Vec2;
-use rustchain::integrator::event_location::first_crossing;
+use rustchain::integrator::event_location::onset_in_step;
 use rustchain::integrator::{Adams, OdeSystem, StepControl};
 
 /// E* \[Pa\] of steel on steel, E = 2.07e11 Pa and ν = 0.3.
@@ -126,7 +126,7 @@ fn bounce(mut impact: Impact) -> Bounce {
                     penetration_rate: sign * at.value(1),
                 }
             };
-            first_crossing(path, step.start, step.end)
+            onset_in_step(path, step.start, step.end)
         };
         if !was_inside && y[0] > 0.0 {
             let (time, rate) = crossing(1.0);

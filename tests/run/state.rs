@@ -187,7 +187,7 @@ fn a_state_of_another_scene_is_refused_with_what_differs() {
     heavier.chain.outer.mass *= 1.0 + f64::EPSILON;
     let johnson = self::laws(Elastic::Johnson, Damping::None);
     let floor = ForceLaws {
-        min_approach_speed: 2e-3,
+        min_impact_velocity: 2e-3,
         ..laws
     };
     let coarse = StepControl {

@@ -8,7 +8,7 @@ use rustchain::chain::dynamics::{Dynamics, Powers};
 use rustchain::chain::motion::Motion;
 use rustchain::drive::Drive;
 use rustchain::integrator::OdeSystem;
-use rustchain::integrator::event_location::first_crossing;
+use rustchain::integrator::event_location::onset_in_step;
 use rustchain::layout::InitialConfiguration;
 use rustchain::system::PowerSum;
 use rustchain::{ForceLaws, Model};
@@ -145,7 +145,7 @@ impl DriveSystem {
             penetration_rate: rate,
         };
         let own = std::cell::RefCell::new(self);
-        first_crossing(
+        onset_in_step(
             |t| {
                 let (depth, rate) = own.borrow_mut().depth_at(step, t, &find);
                 contact(depth, rate)
@@ -194,14 +194,14 @@ impl Evolving for DriveSystem {
         self.hinges.clear();
         for (k, (depth, _)) in dynamics.hinge_contacts().enumerate() {
             let touching = depth > 0.0;
-            if touching != (memory.hinge_speed()[k] > 0.0) {
+            if touching != (memory.hinge_impact_velocity()[k] > 0.0) {
                 self.hinges.push((k, touching));
             }
         }
         self.teeth.clear();
         for (s, k, depth, _) in dynamics.candidates() {
             let (pair, touching) = (s * links + k, depth > 0.0);
-            if touching != (memory.tooth_speed[pair] > 0.0) {
+            if touching != (memory.tooth_impact_velocity[pair] > 0.0) {
                 self.teeth.push((pair, touching));
             }
         }

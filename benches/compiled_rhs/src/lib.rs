@@ -156,7 +156,7 @@ pub unsafe extern "C" fn drive_system(
         drive.tensioner = Some(paper::tensioner(pretension, ramp_time));
     }
     let laws = ForceLaws {
-        min_approach_speed: floor,
+        min_impact_velocity: floor,
         ..ForceLaws::default()
     };
     let start = if positions.is_null() {

@@ -5,9 +5,9 @@
 //! impact velocity memory remains a candidate until the memory has ended. The gaps are initial values: the kernel detects a bushing that
 //! has crossed to another gap and determines its gap again.
 
-mod carried;
+mod checkpoint;
 
-pub(crate) use carried::CarriedCandidates;
+pub(crate) use checkpoint::CandidatesCheckpoint;
 
 use serde::{Deserialize, Serialize};
 
@@ -59,7 +59,7 @@ pub(crate) struct SprocketCandidates {
     /// Direction of that gap in the frame of the sprocket, sine.
     pub(crate) gap_sin: Numbers,
     /// Inverse of the initial impact velocity of each candidate \[s/m\]; zero without memory.
-    pub(crate) inverse_onset: Numbers,
+    pub(crate) inverse_impact_velocity: Numbers,
     /// Constants of the elastic law for the surface at the contact onset.
     pub(crate) kept_constants: [Numbers; 2],
     /// Penetration of each candidate \[m\]; zero where apart. Written by the kernel.
@@ -79,7 +79,7 @@ impl SprocketCandidates {
             gap: Vec::with_capacity(slots),
             gap_cos: room(),
             gap_sin: room(),
-            inverse_onset: room(),
+            inverse_impact_velocity: room(),
             kept_constants: [room(), room()],
             depth: room(),
             force: room(),
@@ -118,7 +118,7 @@ impl SprocketCandidates {
         let Self {
             gap_cos,
             gap_sin,
-            inverse_onset,
+            inverse_impact_velocity,
             kept_constants: [kept_0, kept_1],
             depth,
             force,
@@ -128,7 +128,7 @@ impl SprocketCandidates {
         [
             gap_cos,
             gap_sin,
-            inverse_onset,
+            inverse_impact_velocity,
             kept_0,
             kept_1,
             depth,
@@ -145,7 +145,8 @@ impl SprocketCandidates {
         self.gap.copy_from_slice(&other.gap);
         self.gap_cos.copy_from_slice(&other.gap_cos);
         self.gap_sin.copy_from_slice(&other.gap_sin);
-        self.inverse_onset.copy_from_slice(&other.inverse_onset);
+        self.inverse_impact_velocity
+            .copy_from_slice(&other.inverse_impact_velocity);
         for (own, other) in self.kept_constants.iter_mut().zip(&other.kept_constants) {
             own.copy_from_slice(other);
         }
@@ -244,7 +245,7 @@ impl Candidates {
             }
             let candidates = &mut self.sprockets[s];
             let limit = model.sprockets[s].reach + self.margin;
-            let live = &memory.tooth_speed[s * n..(s + 1) * n];
+            let live = &memory.tooth_impact_velocity[s * n..(s + 1) * n];
             let near = |k: usize| {
                 let distance_squared = (Vec2::new(x[k], y[k]) - center).norm_squared();
                 distance_squared < limit * limit || distance_squared.is_nan() || live[k] > 0.0
@@ -294,8 +295,8 @@ impl SprocketCandidates {
     /// Copy the initial impact velocity and the law constants of the surface at the contact onset into a slot.
     fn remember(&mut self, model: &Model, memory: &ImpactMemory, s: usize, slot: usize, k: usize) {
         let pair = s * model.links + k;
-        let speed = memory.tooth_speed[pair];
-        self.inverse_onset[slot] = if speed > 0.0 { 1.0 / speed } else { 0.0 };
+        let speed = memory.tooth_impact_velocity[pair];
+        self.inverse_impact_velocity[slot] = if speed > 0.0 { 1.0 / speed } else { 0.0 };
         let constants = surface_constants(model, s, memory.tooth_surface[pair]);
         for (array, constant) in self.kept_constants.iter_mut().zip(constants) {
             array[slot] = constant;

@@ -9,15 +9,15 @@ use crate::math::simd::{Numbers, padded_zeros};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImpactMemory {
     /// Initial impact velocity of each hinge \[m/s\].
-    hinge_speed: Vec<f64>,
-    /// Inverse of `hinge_speed` \[s/m\], zero without memory; padded for the kernels.
-    hinge_inverse: Numbers,
+    hinge_impact_velocity: Vec<f64>,
+    /// Inverse of `hinge_impact_velocity` \[s/m\], zero without memory; padded for the kernels.
+    hinge_inverse_impact_velocity: Numbers,
     /// Initial impact velocity of each bushing in its roller \[m/s\]; empty where rollers are no bodies of their own.
-    roller_speed: Vec<f64>,
-    /// Inverse of `roller_speed` \[s/m\], zero without memory; padded for the kernels.
-    roller_inverse: Numbers,
+    roller_impact_velocity: Vec<f64>,
+    /// Inverse of `roller_impact_velocity` \[s/m\], zero without memory; padded for the kernels.
+    roller_inverse_impact_velocity: Numbers,
     /// Initial impact velocity of each pair of bushing and sprocket \[m/s\].
-    pub tooth_speed: Vec<f64>,
+    pub tooth_impact_velocity: Vec<f64>,
     /// Surface at the contact onset of each pair of bushing and sprocket.
     pub tooth_surface: Vec<Surface>,
     /// Minimum impact velocity \[m/s\].
@@ -42,11 +42,11 @@ impl ImpactMemory {
     #[must_use]
     pub fn new(hinges: usize, rollers: usize, tooth_pairs: usize, floor: f64) -> Self {
         Self {
-            hinge_speed: vec![0.0; hinges],
-            hinge_inverse: padded_zeros(hinges),
-            roller_speed: vec![0.0; rollers],
-            roller_inverse: padded_zeros(rollers),
-            tooth_speed: vec![0.0; tooth_pairs],
+            hinge_impact_velocity: vec![0.0; hinges],
+            hinge_inverse_impact_velocity: padded_zeros(hinges),
+            roller_impact_velocity: vec![0.0; rollers],
+            roller_inverse_impact_velocity: padded_zeros(rollers),
+            tooth_impact_velocity: vec![0.0; tooth_pairs],
             tooth_surface: vec![Surface::SEATING; tooth_pairs],
             floor,
             pawls: vec![f64::NEG_INFINITY; tooth_pairs.checked_div(hinges).unwrap_or(0)],
@@ -54,80 +54,67 @@ impl ImpactMemory {
         }
     }
 
-    /// Return the initial impact velocity used by a damping law \[m/s\].
-    ///
-    /// A pair without memory uses its present penetration rate `rate`, at least the minimum impact velocity.
-    #[must_use]
-    #[inline]
-    pub fn onset_speed(&self, remembered: f64, rate: f64) -> f64 {
-        if remembered > 0.0 {
-            remembered
-        } else {
-            rate.max(self.floor)
-        }
-    }
-
     /// Record a contact onset of hinge `k` at the penetration rate `rate` \[m/s\].
     pub fn begin_hinge(&mut self, k: usize, rate: f64) {
-        self.hinge_speed[k] = self.count(rate);
-        self.hinge_inverse[k] = 1.0 / self.hinge_speed[k];
+        self.hinge_impact_velocity[k] = self.count(rate);
+        self.hinge_inverse_impact_velocity[k] = 1.0 / self.hinge_impact_velocity[k];
     }
 
     /// Record the contact end of hinge `k`.
     pub fn end_hinge(&mut self, k: usize) {
-        self.hinge_speed[k] = 0.0;
-        self.hinge_inverse[k] = 0.0;
+        self.hinge_impact_velocity[k] = 0.0;
+        self.hinge_inverse_impact_velocity[k] = 0.0;
     }
 
     /// Return the initial impact velocity of each hinge \[m/s\].
     #[must_use]
-    pub fn hinge_speed(&self) -> &[f64] {
-        &self.hinge_speed
+    pub fn hinge_impact_velocity(&self) -> &[f64] {
+        &self.hinge_impact_velocity
     }
 
     /// Return the inverses of the initial impact velocities \[s/m\], zero without memory; padded.
     #[must_use]
-    pub(crate) fn hinge_inverse(&self) -> &[f64] {
-        &self.hinge_inverse
+    pub(crate) fn hinge_inverse_impact_velocity(&self) -> &[f64] {
+        &self.hinge_inverse_impact_velocity
     }
 
     /// Record a contact onset of bushing `k` and its roller at the penetration rate `rate` \[m/s\].
     pub fn begin_roller(&mut self, k: usize, rate: f64) {
-        self.roller_speed[k] = self.count(rate);
-        self.roller_inverse[k] = 1.0 / self.roller_speed[k];
+        self.roller_impact_velocity[k] = self.count(rate);
+        self.roller_inverse_impact_velocity[k] = 1.0 / self.roller_impact_velocity[k];
     }
 
     /// Record the contact end of bushing `k` and its roller.
     pub fn end_roller(&mut self, k: usize) {
-        self.roller_speed[k] = 0.0;
-        self.roller_inverse[k] = 0.0;
+        self.roller_impact_velocity[k] = 0.0;
+        self.roller_inverse_impact_velocity[k] = 0.0;
     }
 
     /// Return the initial impact velocity of each bushing in its roller \[m/s\].
     #[must_use]
-    pub fn roller_speed(&self) -> &[f64] {
-        &self.roller_speed
+    pub fn roller_impact_velocity(&self) -> &[f64] {
+        &self.roller_impact_velocity
     }
 
     /// Return the inverses of the initial impact velocities \[s/m\], zero without memory; padded.
     #[must_use]
-    pub(crate) fn roller_inverse(&self) -> &[f64] {
-        &self.roller_inverse
+    pub(crate) fn roller_inverse_impact_velocity(&self) -> &[f64] {
+        &self.roller_inverse_impact_velocity
     }
 
     /// Record a contact onset of a pair of bushing and sprocket on `surface` at the penetration rate `rate` \[m/s\].
     pub fn begin_tooth(&mut self, pair: usize, rate: f64, surface: Surface) {
-        self.tooth_speed[pair] = self.count(rate);
+        self.tooth_impact_velocity[pair] = self.count(rate);
         self.tooth_surface[pair] = surface;
     }
 
     /// Record the contact end of a pair of bushing and sprocket.
     pub fn end_tooth(&mut self, pair: usize) {
-        self.tooth_speed[pair] = 0.0;
+        self.tooth_impact_velocity[pair] = 0.0;
     }
 
     /// Remove a contact onset with the initial impact velocity `speed` \[m/s\] from the counts.
-    pub(crate) fn take_back(&mut self, speed: f64) {
+    pub(crate) fn uncount(&mut self, speed: f64) {
         self.counts.onsets -= 1;
         if speed <= self.floor {
             self.counts.at_floor -= 1;
@@ -152,9 +139,18 @@ impl ImpactMemory {
     /// Return whether both memories have the same numbers of pairs and the same minimum impact velocity.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let lengths = |memory: &Self| {
-            let hinges = (memory.hinge_speed.len(), memory.hinge_inverse.len());
-            let rollers = (memory.roller_speed.len(), memory.roller_inverse.len());
-            let teeth = (memory.tooth_speed.len(), memory.tooth_surface.len());
+            let hinges = (
+                memory.hinge_impact_velocity.len(),
+                memory.hinge_inverse_impact_velocity.len(),
+            );
+            let rollers = (
+                memory.roller_impact_velocity.len(),
+                memory.roller_inverse_impact_velocity.len(),
+            );
+            let teeth = (
+                memory.tooth_impact_velocity.len(),
+                memory.tooth_surface.len(),
+            );
             (hinges, rollers, teeth, memory.pawls.len())
         };
         lengths(self) == lengths(other) && self.floor == other.floor
@@ -162,11 +158,11 @@ impl ImpactMemory {
 
     /// Clear the memory of every pair and the positions of all pawls; the counts remain.
     pub fn clear(&mut self) {
-        self.hinge_speed.fill(0.0);
-        self.hinge_inverse.fill(0.0);
-        self.roller_speed.fill(0.0);
-        self.roller_inverse.fill(0.0);
-        self.tooth_speed.fill(0.0);
+        self.hinge_impact_velocity.fill(0.0);
+        self.hinge_inverse_impact_velocity.fill(0.0);
+        self.roller_impact_velocity.fill(0.0);
+        self.roller_inverse_impact_velocity.fill(0.0);
+        self.tooth_impact_velocity.fill(0.0);
         self.pawls.fill(f64::NEG_INFINITY);
     }
 }

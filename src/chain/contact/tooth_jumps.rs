@@ -105,7 +105,7 @@ impl ToothJumps {
     }
 
     /// Remove the jumps after `t` \[s\], for a run that restarts at `t`, and restore the seatings before them.
-    pub(crate) fn take_back(&mut self, model: &Model, t: f64) {
+    pub(crate) fn remove_after(&mut self, model: &Model, t: f64) {
         while let Some(jump) = self.jumps.pop_if(|jump| jump.time > t) {
             if let Some(seating) = &mut self.seatings[jump.sprocket] {
                 let teeth = model.sprockets[jump.sprocket].profile.teeth;

@@ -65,7 +65,7 @@ impl Stored {
     }
 
     /// Return losses without the stored energy: the integral of the friction power contains both.
-    pub(crate) fn taken_off(&self, losses: Losses) -> Losses {
+    pub(crate) fn subtract_from(&self, losses: Losses) -> Losses {
         Losses {
             hinge_friction: losses.hinge_friction - self.hinges,
             roller_friction: losses.roller_friction - self.rollers,

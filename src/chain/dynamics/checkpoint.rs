@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{Dynamics, Inputs, Pair, Powers};
-use crate::chain::contact::{CarriedCandidates, ImpactMemory, ToothJumps};
+use crate::chain::contact::{CandidatesCheckpoint, ImpactMemory, ToothJumps};
 use crate::chain::model::Input;
 use crate::chain::rhs::Watch;
 use crate::geometry::Surface;
@@ -16,7 +16,7 @@ use crate::system::EnergyQuadrature;
 pub struct Checkpoint {
     inputs: Vec<Input>,
     memory: ImpactMemory,
-    candidates: CarriedCandidates,
+    candidates: CandidatesCheckpoint,
     watch: Watch,
     unseen_touches: u64,
     keeps_energy: bool,
@@ -30,11 +30,11 @@ pub struct Checkpoint {
 
 impl Dynamics {
     /// Return the checkpoint of these dynamics.
-    pub(super) fn carried(&self) -> Checkpoint {
+    pub(super) fn to_checkpoint(&self) -> Checkpoint {
         Checkpoint {
             inputs: self.inputs.set.clone(),
             memory: self.memory.clone(),
-            candidates: self.kernels.candidates.carried(&self.model),
+            candidates: self.kernels.candidates.to_checkpoint(&self.model),
             watch: self.kernels.watch.clone(),
             unseen_touches: self.events.unseen_touches,
             keeps_energy: self.keeps_energy,
@@ -47,55 +47,55 @@ impl Dynamics {
         }
     }
 
-    /// Return dynamics with the same compiled model and instructions, restored from the checkpoint `carried`.
+    /// Return dynamics with the same compiled model and instructions, restored from `checkpoint`.
     ///
     /// `None`: the checkpoint belongs to a different model.
-    pub(super) fn carrying(&self, carried: &Checkpoint) -> Option<Self> {
+    pub(super) fn from_checkpoint(&self, checkpoint: &Checkpoint) -> Option<Self> {
         let compiled = &self.inputs.compiled;
-        let mut dynamics = Self::new(Arc::new(compiled.with_inputs(&carried.inputs)?));
+        let mut dynamics = Self::new(Arc::new(compiled.with_inputs(&checkpoint.inputs)?));
         dynamics.inputs = Inputs::new(compiled);
-        dynamics.inputs.set.clone_from(&carried.inputs);
+        dynamics.inputs.set.clone_from(&checkpoint.inputs);
         dynamics.use_instructions(self.instructions());
         dynamics.quadrature.refine(self.quadrature.fineness());
         let there = |pair: &Pair| match *pair {
-            Pair::Hinge(k) => k < dynamics.memory.hinge_speed().len(),
-            Pair::Roller(k) => k < dynamics.memory.roller_speed().len(),
-            Pair::Tooth(pair) => pair < dynamics.memory.tooth_speed.len(),
+            Pair::Hinge(k) => k < dynamics.memory.hinge_impact_velocity().len(),
+            Pair::Roller(k) => k < dynamics.memory.roller_impact_velocity().len(),
+            Pair::Tooth(pair) => pair < dynamics.memory.tooth_impact_velocity.len(),
         };
         let links = self.model.links;
-        let mut surfaces = carried.memory.tooth_surface.iter().enumerate();
+        let mut surfaces = checkpoint.memory.tooth_surface.iter().enumerate();
         let exists = |(pair, surface): (usize, &Surface)| {
             let sprocket = self.model.sprockets.get(pair / links);
             sprocket.is_some_and(|s| surface.index() < s.profile.surfaces().len())
         };
-        if !carried.memory.is_like(&dynamics.memory)
+        if !checkpoint.memory.is_like(&dynamics.memory)
             || !surfaces.all(exists)
-            || !carried.parted.iter().all(there)
-            || !carried.quadrature.is_like(&dynamics.quadrature)
-            || !carried.tooth_jumps.is_like(&dynamics.model)
-            || !(carried.watch).is_like(&dynamics.kernels.watch, dynamics.model.links)
+            || !checkpoint.parted.iter().all(there)
+            || !checkpoint.quadrature.is_like(&dynamics.quadrature)
+            || !checkpoint.tooth_jumps.is_like(&dynamics.model)
+            || !(checkpoint.watch).is_like(&dynamics.kernels.watch, dynamics.model.links)
         {
             return None;
         }
-        dynamics.quadrature.carry_on(&carried.quadrature);
-        dynamics.kernels.watch.carry_on(&carried.watch);
-        dynamics.events.unseen_touches = carried.unseen_touches;
-        dynamics.memory = carried.memory.clone();
+        dynamics.quadrature.carry_on(&checkpoint.quadrature);
+        dynamics.kernels.watch.copy_from(&checkpoint.watch);
+        dynamics.events.unseen_touches = checkpoint.unseen_touches;
+        dynamics.memory = checkpoint.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;
-        candidates.carry_on(&dynamics.model, &dynamics.memory, &carried.candidates)?;
-        dynamics.keeps_energy = carried.keeps_energy;
+        candidates.restore(&dynamics.model, &dynamics.memory, &checkpoint.candidates)?;
+        dynamics.keeps_energy = checkpoint.keeps_energy;
         // The existing vector has capacity for all pairs; a clone would not. Steps extend it without allocation.
-        dynamics.events.parted.extend_from_slice(&carried.parted);
+        dynamics.events.parted.extend_from_slice(&checkpoint.parted);
         dynamics
             .past_ranges
             .hinge
-            .clone_from(&carried.hinge_past_range);
+            .clone_from(&checkpoint.hinge_past_range);
         dynamics
             .past_ranges
             .tooth
-            .clone_from(&carried.tooth_past_range);
-        dynamics.events.jumps.clone_from(&carried.tooth_jumps);
-        dynamics.events.jumps_looked_for = carried.jumps_looked_for;
+            .clone_from(&checkpoint.tooth_past_range);
+        dynamics.events.jumps.clone_from(&checkpoint.tooth_jumps);
+        dynamics.events.jumps_looked_for = checkpoint.jumps_looked_for;
         Some(dynamics)
     }
 }

@@ -6,7 +6,7 @@ use super::Dynamics;
 use crate::chain::contact::{HingePath, RollerPath, ToothJump, ToothJumps, ToothPath};
 use crate::chain::model::Model;
 use crate::geometry::Surface;
-use crate::integrator::event_location::first_crossing;
+use crate::integrator::event_location::onset_in_step;
 use crate::integrator::{Adams, Step};
 
 /// Contact pair: hinge, bushing and roller, or bushing and sprocket (sprocket · links + bushing).
@@ -23,7 +23,7 @@ pub(super) struct ContactEvents {
     /// Pairs that ended their contact in the last step; their memory remains until the next step, for reports inside the last one.
     pub(super) parted: Vec<Pair>,
     /// Whether event screening found a pair that may have touched or separated inside the last step.
-    pub(super) turned: bool,
+    pub(super) event_possible: bool,
     /// Upper bound on the speeds of bushings relative to teeth at the end of the last step \[m/s\].
     pub(super) fastest: f64,
     /// Number of accepted contacts inside steps whose penetration was within the accuracy.
@@ -42,7 +42,7 @@ impl ContactEvents {
         let tooth_pairs = model.links * model.sprockets.len();
         Self {
             parted: Vec::with_capacity(model.links + tooth_pairs + model.roller_count()),
-            turned: false,
+            event_possible: false,
             fastest: 0.0,
             unseen_touches: 0,
             jumps: ToothJumps::new(model),
@@ -146,7 +146,7 @@ impl Dynamics {
     }
 
     /// Clear the memory of contacts that ended in the last step; call before the next step.
-    pub fn begin_step(&mut self) {
+    pub fn forget_ended_contacts(&mut self) {
         for pair in self.events.parted.drain(..) {
             match pair {
                 Pair::Hinge(k) => self.memory.end_hinge(k),
@@ -165,7 +165,7 @@ impl Dynamics {
     /// Locate the contact onsets of the last step and record their initial impact velocities.
     ///
     /// Call after the step, before another evaluation of the right-hand side.
-    pub fn finish_step(&mut self, adams: &Adams, step: &Step) {
+    pub fn record_contact_events(&mut self, adams: &Adams, step: &Step) {
         let [hinges, rollers, teeth] = self.kernels.changes();
         if hinges {
             self.find_hinge_onsets(adams, step);
@@ -176,7 +176,7 @@ impl Dynamics {
         if teeth {
             self.find_tooth_onsets(adams, step);
         }
-        if std::mem::take(&mut self.events.turned) {
+        if std::mem::take(&mut self.events.event_possible) {
             self.look_inside(adams, step);
         }
         self.kernels.watch.advance();
@@ -212,12 +212,12 @@ impl Dynamics {
         // Penetration without memory: contact onset in this step. Memory without penetration: contact end.
         for (k, &depth) in self.kernels.hinge_depths(model).iter().enumerate() {
             let touching = depth > 0.0;
-            if touching == (self.memory.hinge_speed()[k] > 0.0) {
+            if touching == (self.memory.hinge_impact_velocity()[k] > 0.0) {
                 continue;
             }
             if touching {
                 let path = HingePath::new(model, adams, k);
-                let (_, rate) = first_crossing(|t| path.at(t), step.start, step.end);
+                let (_, rate) = onset_in_step(|t| path.at(t), step.start, step.end);
                 self.memory.begin_hinge(k, rate);
             } else {
                 self.events.parted.push(Pair::Hinge(k));
@@ -230,13 +230,13 @@ impl Dynamics {
         let model = &self.model;
         for (k, &depth) in self.kernels.roller_depths(model).iter().enumerate() {
             let touching = depth > 0.0;
-            if touching == (self.memory.roller_speed()[k] > 0.0) {
+            if touching == (self.memory.roller_impact_velocity()[k] > 0.0) {
                 continue;
             }
             if !touching {
                 self.events.parted.push(Pair::Roller(k));
             } else if let Some(path) = RollerPath::new(model, adams, k) {
-                let (_, rate) = first_crossing(|t| path.at(t), step.start, step.end);
+                let (_, rate) = onset_in_step(|t| path.at(t), step.start, step.end);
                 self.memory.begin_roller(k, rate);
             }
         }
@@ -249,13 +249,13 @@ impl Dynamics {
         for (s, k, depth, _) in self.kernels.tooth_contacts(model) {
             let pair = s * model.links + k;
             let touching = depth > 0.0;
-            if touching == (self.memory.tooth_speed[pair] > 0.0) {
+            if touching == (self.memory.tooth_impact_velocity[pair] > 0.0) {
                 continue;
             }
             if touching {
                 let path = ToothPath::new(model, adams, k, s);
                 let contact = |t| path.at(t).contact;
-                let (t, rate) = first_crossing(contact, step.start, step.end);
+                let (t, rate) = onset_in_step(contact, step.start, step.end);
                 self.memory.begin_tooth(pair, rate, path.at(t).surface);
                 begun.push((s, k));
             } else {

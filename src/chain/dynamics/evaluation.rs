@@ -1,6 +1,6 @@
 //! Evaluations for reports: motion of all bodies, contacts, bristles and accelerations at one instant.
 
-use super::{Bristles, Dynamics, Needs, Powers, Want};
+use super::{Bristles, Dynamics, Needs, Powers};
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
 use crate::chain::report::{Accelerations, HingeContacts, Reader, RollerContacts, ToothContacts};
@@ -89,13 +89,12 @@ impl Dynamics {
     /// Evaluate the outputs requested by `needs` at (`t`, `y`). Other outputs are undefined afterwards.
     pub(crate) fn evaluate_for(&mut self, needs: Needs, t: f64, y: &[f64]) {
         self.evaluated.motion.read(&self.model, t, y);
-        if needs.hinges == Want::Nothing && needs.teeth == Want::Nothing {
+        if !needs.hinges && !needs.teeth {
             return;
         }
         self.evaluated.bristles.read(&self.model, y);
         let Reader { kernels, rates, .. } = &mut *self.reader;
-        let teeth = needs.teeth != Want::Nothing;
-        if teeth {
+        if needs.teeth {
             kernels.candidates.copy(&self.kernels.candidates);
         }
         kernels.evaluate_contacts(
@@ -103,7 +102,7 @@ impl Dynamics {
             &self.memory,
             &self.evaluated.motion,
             (y, rates),
-            teeth,
+            needs.teeth,
         );
         if needs.sprocket_loads {
             self.evaluated
@@ -111,10 +110,10 @@ impl Dynamics {
                 .chain
                 .copy_from_slice(kernels.sprocket_loads());
         }
-        if needs.hinges != Want::Nothing {
+        if needs.hinges {
             self.read_hinges();
         }
-        if teeth {
+        if needs.teeth {
             self.read_teeth();
         }
     }

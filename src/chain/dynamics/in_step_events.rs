@@ -2,7 +2,7 @@
 
 use super::Dynamics;
 use crate::chain::contact::{HingePath, RollerPath, ToothPath};
-use crate::integrator::event_location::{Cubic, crossing_between};
+use crate::integrator::event_location::{Cubic, onset_between};
 use crate::integrator::{Adams, Step};
 
 /// Largest displacement of a bushing relative to a sprocket within one step, as a fraction of the pitch.
@@ -14,7 +14,7 @@ const FARTHEST: f64 = 0.1;
 impl Dynamics {
     /// Return the longest permitted next step \[s\]: h = 0.1 p/v, for the largest relative speed v of a bushing and a sprocket.
     #[must_use]
-    pub fn longest_step(&self) -> f64 {
+    pub fn longest_step_past_teeth(&self) -> f64 {
         FARTHEST * 2.0 * self.model.half_pitch / self.events.fastest
     }
 
@@ -46,7 +46,8 @@ impl Dynamics {
         for k in 0..model.links {
             let ends = watch.hinge(k);
             self.events.unseen_touches += u64::from(touch(ends, length).is_some());
-            let Some(part) = parting(ends, length).filter(|_| self.memory.hinge_speed()[k] > 0.0)
+            let Some(part) =
+                parting(ends, length).filter(|_| self.memory.hinge_impact_velocity()[k] > 0.0)
             else {
                 continue;
             };
@@ -54,14 +55,15 @@ impl Dynamics {
             let contact = |t| path.at(t);
             // The cubic is an estimate: only a separation confirmed by the dense output is an event.
             if path.at(step.start + part * length).penetration < 0.0 {
-                let (_, rate) = crossing_between(contact, times, ends);
+                let (_, rate) = onset_between(contact, times, ends);
                 self.memory.begin_hinge(k, rate);
             }
         }
         for k in 0..model.roller_count() {
             let ends = watch.roller(k);
             self.events.unseen_touches += u64::from(touch(ends, length).is_some());
-            let Some(part) = parting(ends, length).filter(|_| self.memory.roller_speed()[k] > 0.0)
+            let Some(part) =
+                parting(ends, length).filter(|_| self.memory.roller_impact_velocity()[k] > 0.0)
             else {
                 continue;
             };
@@ -70,21 +72,22 @@ impl Dynamics {
             };
             let contact = |t| path.at(t);
             if path.at(step.start + part * length).penetration < 0.0 {
-                let (_, rate) = crossing_between(contact, times, ends);
+                let (_, rate) = onset_between(contact, times, ends);
                 self.memory.begin_roller(k, rate);
             }
         }
         for (s, k, ends) in watch.candidates(model.links) {
             self.events.unseen_touches += u64::from(touch_of_tip(ends, length).is_some());
             let pair = s * model.links + k;
-            let Some(part) = parting(ends, length).filter(|_| self.memory.tooth_speed[pair] > 0.0)
+            let Some(part) =
+                parting(ends, length).filter(|_| self.memory.tooth_impact_velocity[pair] > 0.0)
             else {
                 continue;
             };
             let path = ToothPath::new(model, adams, k, s);
             let contact = |t| path.at(t).contact;
             if contact(step.start + part * length).penetration < 0.0 {
-                let (t, rate) = crossing_between(contact, times, ends);
+                let (t, rate) = onset_between(contact, times, ends);
                 self.memory.begin_tooth(pair, rate, path.at(t).surface);
                 self.events.begun.push((s, k));
             }
@@ -98,7 +101,7 @@ impl Dynamics {
 }
 
 /// Return whether a contact is open at both `ends` of a step, approaching at the start and separating at the end.
-fn has_turned([start, end]: [[f64; 2]; 2]) -> bool {
+fn reverses_while_open([start, end]: [[f64; 2]; 2]) -> bool {
     start[0] < 0.0 && end[0] < 0.0 && start[1] > 0.0 && end[1] < 0.0
 }
 
@@ -109,12 +112,12 @@ fn has_turned([start, end]: [[f64; 2]; 2]) -> bool {
 fn touch_of_tip(ends: [[f64; 2]; 2], length: f64) -> Option<f64> {
     let [[start, rise], [end, fall]] = ends;
     let depth = (end * rise - start * fall - length * rise * fall) / (rise - fall);
-    (has_turned(ends) && depth > 0.0).then_some(depth)
+    (reverses_while_open(ends) && depth > 0.0).then_some(depth)
 }
 
 /// Return the same penetration for a smooth path: the maximum of the cubic Hermite interpolant.
 fn touch(ends: [[f64; 2]; 2], length: f64) -> Option<f64> {
-    if !has_turned(ends) {
+    if !reverses_while_open(ends) {
         return None;
     }
     let [start, end] = ends;

@@ -101,7 +101,7 @@ impl Dynamics {
             }
         }
         adams.restart_with_corrector(row, &y[..2 * coordinates]);
-        let longest = self.longest_step().min(self.time_to_kink(row));
+        let longest = self.longest_step_past_teeth().min(self.time_to_kink(row));
         adams.limit_step(longest);
     }
 

@@ -1,6 +1,6 @@
 //! Contacts beyond the end of their force law: the first hinge or roller, and the first tooth contact, with a message each.
 
-use super::{Dynamics, Needs, Want};
+use super::{Dynamics, Needs};
 use crate::force_law::{Elastic, ElasticLaw, Regions, with_law};
 use crate::geometry::Surface;
 use crate::integrator::Adams;
@@ -38,14 +38,14 @@ impl Dynamics {
 
     /// Record the same for the last evaluation, that of a report with `needs`: penetrations inside a step may exceed those at its ends.
     pub(crate) fn watch_reported_ranges(&mut self, needs: Needs) {
-        if needs.hinges != Want::Nothing && self.past_ranges.hinge.is_none() {
+        if needs.hinges && self.past_ranges.hinge.is_none() {
             let (hinges, rollers) = (
                 &self.evaluated.hinges.penetration,
                 &self.evaluated.rollers.penetration,
             );
             self.past_ranges.hinge = self.joint_past_its_end(hinges, rollers);
         }
-        if needs.teeth != Want::Nothing
+        if needs.teeth
             && self.past_ranges.tooth.is_none()
             && self.model.teeth.law.elastic.has_an_end()
         {
@@ -106,7 +106,9 @@ impl Dynamics {
 
     /// Return the surface that determines the stiffness of a pair: that at the contact onset with kept regions, else the present one.
     pub(super) fn stiffness_surface(&self, pair: usize) -> Surface {
-        if self.model.teeth.law.regions == Regions::Kept && self.memory.tooth_speed[pair] > 0.0 {
+        if self.model.teeth.law.regions == Regions::Kept
+            && self.memory.tooth_impact_velocity[pair] > 0.0
+        {
             self.memory.tooth_surface[pair]
         } else {
             self.evaluated.teeth.surface[pair]

@@ -32,7 +32,7 @@ use inputs::Inputs;
 use law_ranges::PastRanges;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{Moves, outside_powers, sprocket_acceleration};
-pub(crate) use output_request::{Needs, Want};
+pub(crate) use output_request::Needs;
 pub use powers::{Losses, Powers};
 #[cfg(feature = "python")]
 pub(crate) use start_checks::check_rows;
@@ -71,6 +71,8 @@ pub struct Dynamics {
     past_ranges: PastRanges,
     /// Scratch: derivative of the state.
     slope: Vec<f64>,
+    /// Scratch: largest tooth force of every bushing, for rows.
+    tooth_forces: Vec<f64>,
     /// Scratch: state inside a step, padded.
     inside: Vec<f64>,
 }
@@ -85,7 +87,7 @@ impl Dynamics {
                 links,
                 model.roller_count(),
                 links * sprockets,
-                model.min_approach_speed,
+                model.min_impact_velocity,
             ),
             evaluated: Evaluation::new(&model),
             kernels: Kernels::new(&model),
@@ -98,6 +100,7 @@ impl Dynamics {
             events: ContactEvents::new(&model),
             past_ranges: PastRanges::default(),
             slope: vec![0.0; 2 * model.coordinates],
+            tooth_forces: vec![0.0; links],
             inside: vec![0.0; padded(2 * model.coordinates)],
             model,
         }
@@ -147,9 +150,9 @@ impl Dynamics {
     ///
     /// The results are penetrations and forces of contacts, and the powers with energy metering on.
     pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
-        let mut slope = std::mem::take(&mut self.slope);
-        self.derivative(t, y, &mut slope);
-        self.slope = slope;
+        let mut derivative = std::mem::take(&mut self.slope);
+        self.derivative(t, y, &mut derivative);
+        self.slope = derivative;
     }
 
     /// Select an instruction set instead of the widest one of this machine.
@@ -166,10 +169,11 @@ impl Dynamics {
 }
 
 impl OdeSystem for Dynamics {
+    /// Screen the step for contact events; reject it if a contact that is open at both ends was deeper inside than `allowed` \[m\].
     fn accepts_step(&mut self, length: f64, allowed: f64) -> bool {
         let watched = self.kernels.watch(&self.model, length);
-        (self.events.turned, self.events.fastest) = (watched.turned, watched.speed);
-        !watched.turned || self.deepest_unseen(length) <= allowed
+        (self.events.event_possible, self.events.fastest) = (watched.event_possible, watched.speed);
+        !watched.event_possible || self.deepest_unseen(length) <= allowed
     }
 
     fn dimension(&self) -> usize {

@@ -15,7 +15,7 @@ impl Dynamics {
         self.evaluate(t, y);
         for k in 0..self.model.links {
             let touching = self.evaluated.hinges.penetration[k] > 0.0;
-            let speed = self.memory.hinge_speed()[k];
+            let speed = self.memory.hinge_impact_velocity()[k];
             if touching && speed == 0.0 {
                 self.memory.begin_hinge(k, self.evaluated.hinges.rate[k]);
             } else if !touching && speed > 0.0 {
@@ -25,7 +25,7 @@ impl Dynamics {
         }
         for k in 0..self.model.roller_count() {
             let touching = self.evaluated.rollers.penetration[k] > 0.0;
-            let speed = self.memory.roller_speed()[k];
+            let speed = self.memory.roller_impact_velocity()[k];
             if touching && speed == 0.0 {
                 self.memory.begin_roller(k, self.evaluated.rollers.rate[k]);
             } else if !touching && speed > 0.0 {
@@ -33,9 +33,9 @@ impl Dynamics {
                 self.forget_onset(Pair::Roller(k), speed);
             }
         }
-        for pair in 0..self.memory.tooth_speed.len() {
+        for pair in 0..self.memory.tooth_impact_velocity.len() {
             let touching = self.evaluated.teeth.penetration[pair] > 0.0;
-            let speed = self.memory.tooth_speed[pair];
+            let speed = self.memory.tooth_impact_velocity[pair];
             if touching && speed == 0.0 {
                 let (rate, surface) = (
                     self.evaluated.teeth.rate[pair],
@@ -48,23 +48,23 @@ impl Dynamics {
             }
         }
         self.events.parted.clear();
-        self.events.jumps.take_back(&self.model, t);
+        self.events.jumps.remove_after(&self.model, t);
         self.kernels.candidates.invalidate();
-        let mut slope = std::mem::take(&mut self.slope);
-        crate::integrator::OdeSystem::derivative(self, t, y, &mut slope);
+        let mut derivative = std::mem::take(&mut self.slope);
+        crate::integrator::OdeSystem::derivative(self, t, y, &mut derivative);
         self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
         if self.keeps_energy {
             self.quadrature.begin(t, self.powers);
-            self.ends.begin(y, &slope);
+            self.ends.begin(y, &derivative);
         }
-        self.slope = slope;
+        self.slope = derivative;
     }
 
     /// Remove the onset of an open pair from the counts, unless the pair ended in the last step: that onset was before the step.
     fn forget_onset(&mut self, pair: Pair, speed: f64) {
         if !self.events.parted.contains(&pair) {
-            self.memory.take_back(speed);
+            self.memory.uncount(speed);
         }
     }
 }

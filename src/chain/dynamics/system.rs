@@ -34,13 +34,13 @@ impl System for Dynamics {
     fn begin_step(&mut self, adams: &mut Adams) {
         self.follow_with_pawls(adams.y());
         self.unbend_parted(adams);
-        self.begin_step();
+        self.forget_ended_contacts();
         self.restart_at_kink_of_end(adams);
         self.place_ends_on_their_curves(adams);
     }
 
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
-        self.finish_step(adams, step);
+        self.record_contact_events(adams, step);
         Ok(())
     }
 
@@ -48,7 +48,7 @@ impl System for Dynamics {
         let t = adams.time();
         let to_kink = self.time_to_kink(t);
         let between = self.model.longest_step_between_kinks(t);
-        Dynamics::longest_step(self).min(to_kink).min(between)
+        self.longest_step_past_teeth().min(to_kink).min(between)
     }
 
     /// Use the contacts of the last evaluation, that of the failed step; without any, those of the dense output at `time`.
@@ -116,7 +116,7 @@ impl System for Dynamics {
         if !self.model.bristles.is_empty() {
             let stored = self.stored();
             sums.dissipated -= stored.total();
-            sums.losses = stored.taken_off(sums.losses);
+            sums.losses = stored.subtract_from(sums.losses);
         }
         sums
     }
@@ -199,17 +199,17 @@ impl System for Dynamics {
     }
 
     fn write_row(&mut self, row: &mut Row, t: f64, groups: Groups) {
-        let mut forces = std::mem::take(&mut self.slope);
-        report::write_row(row, self, t, groups, &mut forces[..self.model.links]);
-        self.slope = forces;
+        let mut forces = std::mem::take(&mut self.tooth_forces);
+        report::write_row(row, self, t, groups, &mut forces);
+        self.tooth_forces = forces;
     }
 
     fn checkpoint(&self) -> Checkpoint {
-        self.carried()
+        self.to_checkpoint()
     }
 
     fn restored(&self, checkpoint: &Checkpoint, _adams: &Adams) -> Option<Self> {
-        self.carrying(checkpoint)
+        self.from_checkpoint(checkpoint)
     }
 }
 
@@ -257,7 +257,7 @@ fn identity(model: &Model) -> Vec<Identity> {
         of("tooth law", tooth_law, LAWS),
         of(
             "min_impact_velocity",
-            model.min_approach_speed.to_string(),
+            model.min_impact_velocity.to_string(),
             LAWS,
         ),
         of(

@@ -84,7 +84,7 @@ impl Model {
             },
             rollers,
             bristles,
-            min_approach_speed: laws.min_approach_speed,
+            min_impact_velocity: laws.min_impact_velocity,
             ends,
             gravity: drive.gravity,
             strands: strands(drive),

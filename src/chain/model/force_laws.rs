@@ -25,13 +25,13 @@ pub struct ForceLaws {
     /// Lubricant film between pins and bushings; `None`: no film.
     pub hinge_film: Option<Film>,
     /// Minimum impact velocity \[m/s\].
-    pub min_approach_speed: f64,
+    pub min_impact_velocity: f64,
 }
 
 impl ForceLaws {
     /// Check all laws, for the coefficient of restitution `restitution`.
     pub(super) fn check(&self, restitution: f64) -> Result<()> {
-        check::positive("min_impact_velocity", self.min_approach_speed, "m/s")?;
+        check::positive("min_impact_velocity", self.min_impact_velocity, "m/s")?;
         for (friction, name) in [
             (&self.hinge_friction, "hinge_friction"),
             (&self.tooth_friction, "tooth_friction"),
@@ -92,7 +92,7 @@ impl Default for ForceLaws {
             hinge_bristles: None,
             tooth_bristles: None,
             hinge_film: None,
-            min_approach_speed: 1e-3,
+            min_impact_velocity: 1e-3,
         }
     }
 }

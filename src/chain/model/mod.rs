@@ -58,7 +58,7 @@ pub struct Model {
     /// Coordinates of the bristles.
     pub bristles: BristlePlaces,
     /// Minimum impact velocity \[m/s\].
-    pub min_approach_speed: f64,
+    pub min_impact_velocity: f64,
     /// Gravity \[m/s²\].
     pub gravity: Vec2,
     /// Warnings on laws outside their range of validity in this drive, one line each.

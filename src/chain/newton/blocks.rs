@@ -163,7 +163,7 @@ impl<S: Simd> Symmetric<S> {
 
     /// Subtract the product left right, which is symmetric.
     #[inline(always)]
-    pub(super) fn take_off(&mut self, left: &Block<S>, right: &Block<S>) {
+    pub(super) fn sub_product(&mut self, left: &Block<S>, right: &Block<S>) {
         let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
         let [first, last, beside] = self.0;
         self.0 = [
@@ -243,7 +243,7 @@ impl<S: Simd> Block<S> {
 
     /// Subtract the product left right.
     #[inline(always)]
-    pub(super) fn take_off(&mut self, left: &Self, right: &Self) {
+    pub(super) fn sub_product(&mut self, left: &Self, right: &Self) {
         let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
         let own = self.0;
         self.0 = [

@@ -199,7 +199,7 @@ impl NewtonMatrix {
             }
         }
         self.teeth
-            .take_back::<RUBBED>(model.links, evaluated.candidates.overhang);
+            .fold_overhang::<RUBBED>(model.links, evaluated.candidates.overhang);
         if let Some(rollers) = &mut self.rollers {
             let bores = &self.slopes.rollers;
             let (teeth, corner) = (&mut self.teeth, &mut self.corner);

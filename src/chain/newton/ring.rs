@@ -162,7 +162,7 @@ impl Ring {
 
     /// Copy the blocks and transpose them: from consecutive hinges in a vector to one hinge of each part.
     #[inline(always)]
-    fn take_in<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
+    fn gather_blocks<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
         let count = self.registers::<S>();
         for part in parts::<S>() {
             for (entry, from) in blocks.own.iter().enumerate() {
@@ -228,14 +228,14 @@ impl Ring {
                 let next = inverse.times_transposed(&coupling);
                 let from_last = inverse.times_block(&edge);
                 own = Symmetric::read(simd, &self.places[j + 1].own, part);
-                own.take_off(&coupling, &next);
+                own.sub_product(&coupling, &next);
                 to_last.add(&edge, &from_last);
                 edge = if j == 0 {
                     Block::read(simd, &self.direct, part)
                 } else {
                     Block::zero(simd)
                 };
-                edge.take_off(&coupling, &from_last);
+                edge.sub_product(&coupling, &from_last);
                 let place = &mut self.places[j];
                 write(&mut place.own, part, inverse.0);
                 write(&mut place.next, part, next.0);
@@ -279,7 +279,7 @@ impl Ring {
             for part in parts::<S>() {
                 let share = coupling[part].times_symmetric(&inverse[part]);
                 own[part].subtract(&taken[part]);
-                own[part].take_off(&share, &coupling[part].transposed());
+                own[part].sub_product(&share, &coupling[part].transposed());
                 coupling[part] = share.times(&beyond[part]).negated();
                 write(&mut round.left, part, share.0);
                 write(&mut round.right, part, follow[part].transposed().0);
@@ -295,7 +295,7 @@ impl Ring {
         for part in parts::<S>() {
             let both = coupling[part].plus(&across[part].transposed());
             let share = both.times_symmetric(&inverse[part]);
-            own[part].take_off(&share, &both.transposed());
+            own[part].sub_product(&share, &both.transposed());
             write(&mut self.opposite, part, share.0);
             let inverse = own[part].inverse(irregular);
             write(&mut self.inverse, part, inverse.0);
@@ -309,7 +309,7 @@ impl Ring {
         if let Some(dense) = &mut self.dense {
             return factorise_short(dense, self.hinges, blocks);
         }
-        self.take_in(simd, blocks);
+        self.gather_blocks(simd, blocks);
         let mut left = Left::nothing(simd);
         self.eliminate(simd, &mut left);
         self.reduce(simd, &mut left)

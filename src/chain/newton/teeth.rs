@@ -101,7 +101,7 @@ impl ToothTerms {
     /// Add the terms that runs past the last bushing have written behind it to the first bushings. Copy the last bushing to the
     /// entry before the first.
     #[inline(always)]
-    pub(super) fn take_back<const RUBBED: bool>(&mut self, links: usize, overhang: usize) {
+    pub(super) fn fold_overhang<const RUBBED: bool>(&mut self, links: usize, overhang: usize) {
         let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
         let past = overhang > 0 && self.touched[behind].contains(&true);
         if past {

@@ -18,7 +18,7 @@ pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.eccentricity(k))));
     row.real(onset_speeds(
         &hinges.penetration,
-        dynamics.memory.hinge_speed(),
+        dynamics.memory.hinge_impact_velocity(),
     ));
     if dynamics.model().ends.is_some() {
         row.real(end_rows::tensions(dynamics));
@@ -72,7 +72,7 @@ pub(super) fn write_rollers(row: &mut Row, dynamics: &Dynamics) {
     );
     row.real(onset_speeds(
         &rollers.penetration,
-        dynamics.memory.roller_speed(),
+        dynamics.memory.roller_impact_velocity(),
     ));
 }
 
@@ -109,7 +109,7 @@ pub(super) fn write_teeth(row: &mut Row, dynamics: &Dynamics) {
     row.real(deepest.iter().map(|&(_, depth)| depth));
     row.real(deepest.iter().map(|&(pair, depth)| {
         if depth > 0.0 {
-            dynamics.memory.tooth_speed[pair]
+            dynamics.memory.tooth_impact_velocity[pair]
         } else {
             0.0
         }

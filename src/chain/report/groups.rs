@@ -1,6 +1,6 @@
 //! Groups of recorded channels.
 
-use crate::chain::dynamics::{Needs, Want};
+use crate::chain::dynamics::Needs;
 use crate::chain::model::{Model, Rotation};
 
 /// Selection of the recorded groups of channels of a drive.
@@ -26,16 +26,10 @@ impl Groups {
         let prescribed = |rotation: &Rotation| matches!(rotation, Rotation::Prescribed(_));
         let sprocket_loads =
             self.sprockets && model.sprockets.iter().any(|s| prescribed(&s.rotation));
-        let want = |forces: bool| match (forces, self.energy) {
-            (true, _) => Want::Forces,
-            (false, true) => Want::Depths,
-            (false, false) => Want::Nothing,
-        };
-        // The energy stored in bristles is proportional to the normal force.
-        let stored = |law: bool| self.energy && law;
+        // The elastic energy needs the penetrations of all contacts, the energy stored in bristles their forces.
         Needs {
-            hinges: want(self.hinges || stored(model.hinges.bristles.is_some())),
-            teeth: want(self.teeth || sprocket_loads || stored(model.teeth.bristles.is_some())),
+            hinges: self.hinges || self.energy,
+            teeth: self.teeth || sprocket_loads || self.energy,
             sprocket_loads,
         }
     }

@@ -65,15 +65,16 @@ impl HingeContacts {
             self.bushing[k] = both(&chain.bushing, k);
             self.bushing_velocity[k] = both(&chain.bushing_velocity, k);
             self.film[k] = both(&chain.film, k);
-            // e = x_k - x_next + a_k t_k + a_next t_next: front end of link k relative to the rear end of the next link.
+            // e = x_k - x_next + a_k t_k + a_next t_next: front end of link k relative to the rear end of the next link, as in the kernels
+            // (chain/rhs/chain/hinges.rs).
             self.offset[k] = if model.hinge_is_open(k) {
                 Vec2::zeros()
             } else {
                 center(k) - center(next) + arm(k) + arm(next)
             };
-            let gap = Gap::of(chain, k, model.hinges.clearance);
-            (self.penetration[k], self.rate[k]) = (gap.penetration, gap.rate);
-            let direction = gap.over_distance * self.offset[k];
+            let contact = BoreContact::of(chain, k, model.hinges.clearance);
+            (self.penetration[k], self.rate[k]) = (contact.penetration, contact.rate);
+            let direction = contact.over_distance * self.offset[k];
             (self.direction_x[k], self.direction_y[k]) = (direction.x, direction.y);
         }
     }
@@ -114,7 +115,7 @@ impl HingeContacts {
 }
 
 /// Penetration and penetration rate of a cylinder in a bore, from the distance of the centres.
-pub(super) struct Gap {
+pub(super) struct BoreContact {
     /// Penetration \[m\]; negative where apart.
     pub(super) penetration: f64,
     /// Penetration rate \[m/s\].
@@ -123,8 +124,8 @@ pub(super) struct Gap {
     pub(super) over_distance: f64,
 }
 
-impl Gap {
-    /// Return the gap of joint `k` of these arrays, with a radial `clearance` \[m\].
+impl BoreContact {
+    /// Return the contact of joint `k` of these arrays, with a radial `clearance` \[m\].
     pub(super) fn of(arrays: &ChainArrays, k: usize, clearance: f64) -> Self {
         let distance = arrays.distance_squared[k].sqrt();
         let over_distance = if distance > 0.0 { 1.0 / distance } else { 0.0 };

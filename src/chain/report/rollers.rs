@@ -1,7 +1,7 @@
 //! Roller contacts: clearance joint between each bushing and its roller, from the last evaluation of the kernels.
 
 use super::HingeContacts;
-use super::hinges::Gap;
+use super::hinges::BoreContact;
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
 use crate::chain::rhs::layout::ChainArrays;
@@ -56,7 +56,7 @@ impl RollerContacts {
         for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
             let body = model.links + k;
             let offset = hinges.bushing[k] - Vec2::new(motion.x[body], motion.y[body]);
-            let gap = Gap::of(arrays, k, rollers.clearance);
+            let gap = BoreContact::of(arrays, k, rollers.clearance);
             let direction = gap.over_distance * offset;
             (self.direction_x[k], self.direction_y[k]) = (direction.x, direction.y);
             (self.penetration[k], self.rate[k]) = (gap.penetration, gap.rate);

@@ -1,8 +1,11 @@
-//! Event screening: gaps and their rates at both ends of a step for every hinge and candidate, and contacts with a possible event
-//! in between.
+//! Event screening: signed depths and their rates at both ends of a step for every hinge and candidate, and contacts with a possible
+//! event in between.
 //!
-//! A gap is (d² - D²)/2D, where d is the distance of two centres and D its value at touch. It needs no square root, is smooth where
-//! the centres coincide, and equals the penetration near zero.
+//! A signed depth is (d² - D²)/2D, positive in contact, where d is the distance of two centres and D its value at touch. It needs no
+//! square root, is smooth where the centres coincide, and equals the penetration near zero.
+//!
+//! Values at the end of a step are those of the last evaluation: the predicted value of an explicit step, the last iterate of an
+//! implicit one. Both are within the tolerance of the solution (decision 24).
 
 use pulp::{Simd, WithSimd};
 use serde::{Deserialize, Serialize};
@@ -22,14 +25,14 @@ use crate::math::simd::{
 /// Maximum over a step of the part of a cubic that a slope at one end contributes: 4/27 of slope times length.
 const REACH_OF_SLOPES: f64 = 4.0 / 27.0;
 
-/// Gaps \[m\], positive in contact, and their rates \[m/s\] at both ends of a step. Gap and rate zero: unknown.
+/// Signed depths (d² - D²)/2D \[m\], positive in contact, and their rates \[m/s\] at both ends of a step. Depth and rate zero: unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Ends {
+pub(super) struct StepEndStates {
     start: [Numbers; 2],
     end: [Numbers; 2],
 }
 
-impl Ends {
+impl StepEndStates {
     /// Allocate `room` contacts.
     fn new(room: usize) -> Self {
         let zeros = || [padded_zeros(room), padded_zeros(room)];
@@ -39,9 +42,9 @@ impl Ends {
         }
     }
 
-    /// Return gap and rate of contact `i` at the start and at the end.
+    /// Return signed depth and rate of contact `i` at the start and at the end.
     fn of(&self, i: usize) -> [[f64; 2]; 2] {
-        [&self.start, &self.end].map(|[gap, rate]| [gap[i], rate[i]])
+        [&self.start, &self.end].map(|[depth, rate]| [depth[i], rate[i]])
     }
 
     /// Exchange start and end.
@@ -51,7 +54,8 @@ impl Ends {
 
     /// Return whether all arrays have the same lengths as those of `other`.
     fn is_like(&self, other: &Self) -> bool {
-        let lengths = |ends: &Self| [&ends.start, &ends.end].map(|[g, r]| [g.len(), r.len()]);
+        let lengths =
+            |ends: &Self| [&ends.start, &ends.end].map(|[depth, rate]| [depth.len(), rate.len()]);
         lengths(self) == lengths(other)
     }
 }
@@ -59,11 +63,11 @@ impl Ends {
 /// Event screening of all hinges and candidates over successive steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Watch {
-    pub(super) hinges: Ends,
+    pub(super) hinges: StepEndStates,
     /// Contacts between bushings and rollers; empty where rollers are no bodies of their own.
-    pub(super) rollers: Ends,
+    pub(super) rollers: StepEndStates,
     /// Candidates of each sprocket, slot by slot.
-    pub(super) teeth: Vec<Ends>,
+    pub(super) teeth: Vec<StepEndStates>,
     /// Bushings of the slots: runs of each sprocket.
     runs: Vec<Vec<Run>>,
     /// Number of the list of candidates with these slots.
@@ -76,9 +80,12 @@ impl Watch {
         let slots = Candidates::most_slots(model);
         let sprockets = model.sprockets.iter();
         Self {
-            hinges: Ends::new(model.links),
-            rollers: Ends::new(model.roller_count()),
-            teeth: sprockets.clone().map(|_| Ends::new(slots)).collect(),
+            hinges: StepEndStates::new(model.links),
+            rollers: StepEndStates::new(model.roller_count()),
+            teeth: sprockets
+                .clone()
+                .map(|_| StepEndStates::new(slots))
+                .collect(),
             runs: sprockets
                 .map(|_| Vec::with_capacity(slots / WIDTH))
                 .collect(),
@@ -108,7 +115,7 @@ impl Watch {
     }
 
     /// Copy `other` without allocation.
-    pub(crate) fn carry_on(&mut self, other: &Self) {
+    pub(crate) fn copy_from(&mut self, other: &Self) {
         self.hinges.clone_from(&other.hinges);
         self.rollers.clone_from(&other.rollers);
         self.teeth.clone_from(&other.teeth);
@@ -123,20 +130,20 @@ impl Watch {
     pub(crate) fn advance(&mut self) {
         self.hinges.advance();
         self.rollers.advance();
-        self.teeth.iter_mut().for_each(Ends::advance);
+        self.teeth.iter_mut().for_each(StepEndStates::advance);
     }
 
-    /// Return gap and rate of hinge `k` at both ends of the step.
+    /// Return signed depth and rate of hinge `k` at both ends of the step.
     pub(crate) fn hinge(&self, k: usize) -> [[f64; 2]; 2] {
         self.hinges.of(k)
     }
 
-    /// Return gap and rate of bushing `k` in its roller at both ends of the step.
+    /// Return signed depth and rate of bushing `k` in its roller at both ends of the step.
     pub(crate) fn roller(&self, k: usize) -> [[f64; 2]; 2] {
         self.rollers.of(k)
     }
 
-    /// Return sprocket, bushing, and gap and rate at both ends of the step for every candidate.
+    /// Return sprocket, bushing, and signed depth and rate at both ends of the step for every candidate.
     pub(crate) fn candidates(
         &self,
         links: usize,
@@ -157,7 +164,7 @@ impl Watch {
         self.list = candidates.refreshes();
         let sprockets = self.teeth.iter_mut().zip(&mut self.runs);
         for ((ends, runs), candidates) in sprockets.zip(&candidates.sprockets) {
-            let Ends { start, end } = ends;
+            let StepEndStates { start, end } = ends;
             for (start, end) in start.iter().zip(end.iter_mut()) {
                 end.fill(0.0);
                 for (slot, bushing) in candidates.bushings(links) {
@@ -180,7 +187,7 @@ impl Watch {
 /// The criterion for touch is the intersection of the tangents at both ends, which bounds every peak from above, a tip's included.
 /// The criterion for separation is the lower bound of a cubic.
 #[inline(always)]
-fn may_have_turned<S: Simd>(
+fn may_have_event<S: Simd>(
     length: Lanes<S>,
     [start, start_rate]: [Lanes<S>; 2],
     [end, end_rate]: [Lanes<S>; 2],
@@ -206,19 +213,19 @@ fn may_have_turned<S: Simd>(
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Watched {
     /// Whether an event inside the step is possible.
-    pub(crate) turned: bool,
+    pub(crate) event_possible: bool,
     /// Upper bound of the speed of the bushings relative to any tooth \[m/s\].
     pub(crate) speed: f64,
 }
 
-/// Kernel that screens all hinges at the end of a step of `length` \[s\], where the last evaluation was. The speed is that of the
-/// bushings.
+/// Kernel that screens all hinges at the end of a step of `length` \[s\], with the values of the last evaluation. The
+/// speed is that of the bushings.
 pub(super) struct WatchHinges<'a> {
     pub(super) length: f64,
     pub(super) links: usize,
     pub(super) clearance: f64,
     pub(super) arrays: &'a ChainArrays,
-    pub(super) ends: &'a mut Ends,
+    pub(super) ends: &'a mut StepEndStates,
 }
 
 impl WithSimd for WatchHinges<'_> {
@@ -236,15 +243,15 @@ impl WithSimd for WatchHinges<'_> {
         let distance_squared = vectors::<S>(&self.arrays.distance_squared, blocks);
         let along = vectors::<S>(&self.arrays.along, blocks);
         let velocity = both::<S>(&self.arrays.bushing_velocity, 0, blocks);
-        let mut turned = false;
+        let mut event_possible = false;
         let mut speed_squared = splat(0.0);
         for i in 0..blocks {
             let at = |array: &[S::f64s]| load(simd, &array[i]);
-            // Gap (d² - c²)/(2 c) with the clearance c, and its rate (e · de/dt)/c.
-            let gap = at(distance_squared).mul_add(scale, -half_clearance);
+            // Signed depth (d² - c²)/(2 c) with the clearance c, and its rate (e · de/dt)/c.
+            let depth = at(distance_squared).mul_add(scale, -half_clearance);
             let rate = at(along) * (scale + scale);
-            turned |= may_have_turned(length, two(simd, start, i), [gap, rate]).any();
-            (end[0][i], end[1][i]) = (gap.values(), rate.values());
+            event_possible |= may_have_event(length, two(simd, start, i), [depth, rate]).any();
+            (end[0][i], end[1][i]) = (depth.values(), rate.values());
             let [vx, vy] = two(simd, velocity, i);
             let left = splat((self.links - i * S::F64_LANES) as f64);
             let own = lane_numbers(simd).less(left);
@@ -252,7 +259,7 @@ impl WithSimd for WatchHinges<'_> {
             speed_squared = speed_squared.max(squared);
         }
         Watched {
-            turned,
+            event_possible,
             speed: speed_squared.greatest().sqrt(),
         }
     }
@@ -271,7 +278,7 @@ pub(super) struct WatchTeeth<'a, C> {
     pub(super) pose: &'a SprocketPose,
     pub(super) arrays: &'a ChainArrays,
     pub(super) candidates: &'a SprocketCandidates,
-    pub(super) ends: &'a mut Ends,
+    pub(super) ends: &'a mut StepEndStates,
 }
 
 impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
@@ -287,7 +294,7 @@ impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
             splat_two(simd, self.pose.velocity),
         );
         let (direction, spin) = (splat_two(simd, self.pose.direction), splat(self.pose.spin));
-        let mut named = false;
+        let mut event_possible = false;
         for run in &self.candidates.runs {
             let blocks = run.length.div_ceil(S::F64_LANES);
             let bushing = both::<S>(&self.arrays.bushing, run.first, blocks);
@@ -310,16 +317,16 @@ impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
                 let surface = gaps.nearest(&place);
                 let found = gaps.gap_and_rate(&surface, &place, relative);
                 let before = two(simd, start, b);
-                named |= may_have_turned(length, before, found).and(valid).any();
+                event_possible |= may_have_event(length, before, found).and(valid).any();
                 (end[0][b], end[1][b]) = (found[0].values(), found[1].values());
             }
         }
-        named
+        event_possible
     }
 }
 
 impl Kernels {
-    /// Screen all contacts for events in a step of `length` \[s\]. The last evaluation must be at its end.
+    /// Screen all contacts for events in a step of `length` \[s\]. The last evaluation must be at its end, see the module.
     pub(crate) fn watch(&mut self, model: &Model, length: f64) -> Watched {
         let n = model.links;
         self.watch.follow(&self.candidates, n);
@@ -338,7 +345,7 @@ impl Kernels {
                 arrays: &rollers.arrays,
                 ends: &mut self.watch.rollers,
             });
-            watched.turned |= found.turned;
+            watched.event_possible |= found.event_possible;
             watched.speed = watched.speed.max(found.speed);
         }
         let mut rim: f64 = 0.0;
@@ -356,7 +363,7 @@ impl Kernels {
                     })
                 };
             }
-            watched.turned |= match &self.teeth[self.kind[s]].form {
+            watched.event_possible |= match &self.teeth[self.kind[s]].form {
                 Form::Ansi(gap) => watch!(gap),
                 Form::Table(gap) => watch!(gap),
             };

@@ -39,15 +39,15 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
             ..
         } = arrays;
         for force in &mut *front_force {
-            take_back::<S>(simd, force, 0, n, overhang);
+            fold_overhang::<S>(simd, force, 0, n, overhang);
         }
         for force in &mut *rear_force {
-            take_back::<S>(simd, force, FIRST + 1, n, overhang);
+            fold_overhang::<S>(simd, force, FIRST + 1, n, overhang);
             force[FIRST] = force[FIRST + n];
         }
         if RUBBED {
-            take_back::<S>(simd, front_moment, 0, n, overhang);
-            take_back::<S>(simd, rear_moment, FIRST + 1, n, overhang);
+            fold_overhang::<S>(simd, front_moment, 0, n, overhang);
+            fold_overhang::<S>(simd, rear_moment, FIRST + 1, n, overhang);
             rear_moment[FIRST] = rear_moment[FIRST + n];
         }
         let [(x, x_rest), (y, y_rest), (angle, angle_rest)] =
@@ -90,7 +90,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
 
 /// Add the forces that runs of candidates past the last bushing have written behind it to the first links.
 #[inline(always)]
-fn take_back<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overhang: usize) {
+fn fold_overhang<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overhang: usize) {
     for from in (first..first + overhang).step_by(S::F64_LANES) {
         let past = load(simd, &vectors::<S>(&force[n + from..], 1)[0]);
         let place = &mut vectors_mut::<S>(&mut force[from..], 1)[0];
@@ -124,10 +124,10 @@ impl<const RUBBED: bool> WithSimd for AccelerateRollers<'_, RUBBED> {
             ..
         } = self.arrays;
         for force in [&mut *x, y] {
-            take_back::<S>(simd, force, 0, n, self.overhang);
+            fold_overhang::<S>(simd, force, 0, n, self.overhang);
         }
         if RUBBED {
-            take_back::<S>(simd, front_moment, 0, n, self.overhang);
+            fold_overhang::<S>(simd, front_moment, 0, n, self.overhang);
         }
         let [to_x, to_y, to_angle] = self.accelerations;
         // Adding 0.0 turns -0.0 into 0.0, as for the links.

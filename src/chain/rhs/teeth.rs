@@ -230,8 +230,8 @@ impl<
         let zero = arm_x.constant(0.0);
         let surface = self.gap.nearest(place);
         let near = self.gap.near(&surface).and(valid);
-        let inverse_onset = at(run.inverse_onset);
-        let remembered = inverse_onset.greater(zero);
+        let inverse_impact_velocity = at(run.inverse_impact_velocity);
+        let remembered = inverse_impact_velocity.greater(zero);
         if !near.any() {
             run.depth[b] = zero.values();
             run.force[b] = zero.values();
@@ -277,7 +277,13 @@ impl<
                 across = nx.mul_add(vy, -(ny * vx));
             }
             let rate = nx.mul_add(vx, ny * vy);
-            ContactLane::damped(elastic, touching, rate, inverse_onset, self.damping)
+            ContactLane::damped(
+                elastic,
+                touching,
+                rate,
+                inverse_impact_velocity,
+                self.damping,
+            )
         } else {
             ContactLane::undamped(elastic)
         };

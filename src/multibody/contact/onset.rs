@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::contact_states::ContactStates;
 use super::impact_memory::{Memory, SideState};
 use super::outline::Place;
-use crate::integrator::event_location::first_crossing;
+use crate::integrator::event_location::onset_in_step;
 use crate::integrator::{Adams, Step};
 use crate::multibody::description::body::Frame;
 use crate::multibody::frames::Shift;
@@ -172,7 +172,7 @@ impl ContactStates {
         step: &Step,
         onsets: &mut Onsets,
     ) {
-        let (t, rate) = first_crossing(|t| motion.side_at(k, t).contact, step.start, step.end);
+        let (t, rate) = onset_in_step(|t| motion.side_at(k, t).contact, step.start, step.end);
         let begun = motion.side_at(k, t);
         if begun.contact.penetration > SHALLOW * depth
             && let Some(speed) = motion.speed_beside(k)

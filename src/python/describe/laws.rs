@@ -214,6 +214,6 @@ pub(crate) fn force_laws(
         hinge_bristles: hinge_friction.and_then(bristles),
         tooth_bristles: tooth_friction.and_then(bristles),
         hinge_film,
-        min_approach_speed: least,
+        min_impact_velocity: least,
     })
 }

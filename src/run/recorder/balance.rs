@@ -74,7 +74,7 @@ impl Default for Balance {
 
 impl Balance {
     /// Include the energy at a report, or between two reports.
-    pub(crate) fn take_in(&mut self, energy: Energy) {
+    pub(crate) fn include(&mut self, energy: Energy) {
         let values = [energy.kinetic, energy.gravity, energy.elastic];
         for (range, value) in self.exchanged.iter_mut().zip(values) {
             *range = [range[0].min(value), range[1].max(value)];
@@ -86,7 +86,7 @@ impl Balance {
 
     /// Include a report at `t`.
     pub(crate) fn report(&mut self, t: f64, energy: Energy, passed: Passed) {
-        self.take_in(energy);
+        self.include(energy);
         let [least, most] = self.exchanged[3];
         self.exchanged[3] = [
             least.min(passed.external_work),

@@ -19,7 +19,7 @@ const INTERRUPTED: u32 = 30;
 
 impl Wall {
     /// Include a timed step: its own time and that of locating its onsets.
-    pub(super) fn take_in(&mut self, stepping: Duration, onsets: Duration) {
+    pub(super) fn include(&mut self, stepping: Duration, onsets: Duration) {
         let before = self.stepping + self.onsets;
         if self.timed > 0 && (stepping + onsets) * self.timed > before * INTERRUPTED {
             return;
@@ -55,10 +55,10 @@ mod tests {
         };
         assert_eq!(wall.steps(), [1.0, 0.0]);
         for _ in 0..100 {
-            wall.take_in(micros(3), micros(1));
+            wall.include(micros(3), micros(1));
         }
-        wall.take_in(micros(3), micros(10_000));
-        wall.take_in(micros(30), micros(10));
+        wall.include(micros(3), micros(10_000));
+        wall.include(micros(30), micros(10));
         let [stepping, onsets] = wall.steps();
         assert!((stepping - 0.75).abs() < 1e-12, "{stepping}");
         assert!((onsets - 0.25).abs() < 1e-12, "{onsets}");

@@ -28,7 +28,7 @@ pub(crate) struct Joints<'a> {
     /// Minimum impact velocity \[m/s\].
     pub(crate) floor: f64,
     /// 1/initial impact velocity of every hinge \[s/m\]; zero without memory.
-    pub(crate) inverse_onset: &'a [f64],
+    pub(crate) inverse_impact_velocity: &'a [f64],
     /// Centres of the bushings, or of the rollers, at the last refresh of the candidates, x and y \[m\].
     pub(crate) reference: &'a [Numbers; 2],
     /// Output for the slopes of the forces and of friction, if requested.
@@ -126,7 +126,7 @@ impl<
                 floor: splat(joints.floor),
             },
             clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
-            onset: vectors::<S>(joints.inverse_onset, blocks),
+            onset: vectors::<S>(joints.inverse_impact_velocity, blocks),
             on_front: vectors::<S>(&constants.bushing_on_front, blocks),
             there: vectors::<S>(&constants.there, blocks),
             reference: both::<S>(joints.reference, 0, blocks),
@@ -219,8 +219,8 @@ impl<
         self.distance_squared[i] = distance_squared.values();
         self.along[i] = ex.mul_add(velocity[0], ey * velocity[1]).values();
         let near = distance_squared.exceeds(load(simd, &self.clearance_squared[i]));
-        let inverse_onset = load(simd, &self.onset[i]);
-        let remembered = inverse_onset.greater(zero);
+        let inverse_impact_velocity = load(simd, &self.onset[i]);
+        let remembered = inverse_impact_velocity.greater(zero);
         if !near.any() {
             self.put(i, [zero; 4]);
             if EXTRA {
@@ -254,7 +254,13 @@ impl<
         let elastic = L::elastic(self.pair, pressed);
         let contact = if DAMPED {
             let rate = nx.mul_add(velocity[0], ny * velocity[1]);
-            ContactLane::damped(elastic, touching, rate, inverse_onset, self.damping)
+            ContactLane::damped(
+                elastic,
+                touching,
+                rate,
+                inverse_impact_velocity,
+                self.damping,
+            )
         } else {
             ContactLane::undamped(elastic)
         };

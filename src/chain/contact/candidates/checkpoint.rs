@@ -12,25 +12,25 @@ use crate::geometry::Vec2;
 
 /// A candidate list, and the number of lists built so far.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct CarriedCandidates {
+pub(crate) struct CandidatesCheckpoint {
     /// `None` where the next evaluation builds a new list.
-    list: Option<CarriedList>,
+    list: Option<ListCheckpoint>,
     refreshes: u64,
 }
 
 /// Reference positions of the list, and the candidates of each sprocket.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct CarriedList {
+struct ListCheckpoint {
     /// Positions of the bushings when the list was built, x and y \[m\].
     bushings: [Vec<f64>; 2],
     /// Centres of the movable sprockets when the list was built \[m\].
     centers: Vec<[f64; 2]>,
-    sprockets: Vec<CarriedRuns>,
+    sprockets: Vec<RunsCheckpoint>,
 }
 
 /// Candidates of one sprocket.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct CarriedRuns {
+struct RunsCheckpoint {
     /// First bushing and length of each run.
     runs: Vec<(usize, usize)>,
     /// Tooth gap of each candidate at the last evaluation, run by run.
@@ -39,18 +39,18 @@ struct CarriedRuns {
 
 impl Candidates {
     /// Return the present list for a checkpoint.
-    pub(crate) fn carried(&self, model: &Model) -> CarriedCandidates {
+    pub(crate) fn to_checkpoint(&self, model: &Model) -> CandidatesCheckpoint {
         let runs = |candidates: &SprocketCandidates| {
             let bushings = candidates.bushings(model.links);
-            CarriedRuns {
+            RunsCheckpoint {
                 runs: (candidates.runs.iter())
                     .map(|run| (run.first, run.length))
                     .collect(),
                 gaps: bushings.map(|(slot, _)| candidates.gap[slot]).collect(),
             }
         };
-        CarriedCandidates {
-            list: (!self.stale).then(|| CarriedList {
+        CandidatesCheckpoint {
+            list: (!self.stale).then(|| ListCheckpoint {
                 bushings: [0, 1].map(|i| self.reference[i][..model.links].to_vec()),
                 centers: (self.movable.iter())
                     .map(|&(_, center)| center.into())
@@ -61,16 +61,16 @@ impl Candidates {
         }
     }
 
-    /// Restore the list `carried`; `None` when it does not belong to this model.
-    pub(crate) fn carry_on(
+    /// Restore the list of `checkpoint`; `None` when it does not belong to this model.
+    pub(crate) fn restore(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
-        carried: &CarriedCandidates,
+        checkpoint: &CandidatesCheckpoint,
     ) -> Option<()> {
-        self.refreshes = carried.refreshes;
+        self.refreshes = checkpoint.refreshes;
         self.stale = true;
-        let Some(list) = &carried.list else {
+        let Some(list) = &checkpoint.list else {
             return Some(());
         };
         let n = model.links;
@@ -87,9 +87,10 @@ impl Candidates {
             *reference = Vec2::from(center);
         }
         self.overhang = 0;
-        for (s, (candidates, carried)) in self.sprockets.iter_mut().zip(&list.sprockets).enumerate()
+        for (s, (candidates, checkpoint)) in
+            self.sprockets.iter_mut().zip(&list.sprockets).enumerate()
         {
-            candidates.carry_on(model, memory, s, carried)?;
+            candidates.restore(model, memory, s, checkpoint)?;
             let behind = |run: &Run| (run.first + run.length).saturating_sub(n);
             let behind = candidates.runs.iter().map(behind).max();
             self.overhang = self.overhang.max(behind.unwrap_or(0));
@@ -101,16 +102,16 @@ impl Candidates {
 
 impl SprocketCandidates {
     /// Restore the candidates of sprocket `s`; `None` for bushings or gaps that do not exist in `model`.
-    fn carry_on(
+    fn restore(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
         s: usize,
-        carried: &CarriedRuns,
+        checkpoint: &RunsCheckpoint,
     ) -> Option<()> {
         let mut free = vec![true; model.links];
         self.runs.clear();
-        for &(first, length) in &carried.runs {
+        for &(first, length) in &checkpoint.runs {
             if first >= model.links || !(1..=model.links).contains(&length) {
                 return None;
             }
@@ -129,10 +130,10 @@ impl SprocketCandidates {
         let slots = lay_out(&mut self.runs);
         self.resize(slots);
         let bushings: Vec<(usize, usize)> = self.bushings(model.links).collect();
-        if carried.gaps.len() != bushings.len() {
+        if checkpoint.gaps.len() != bushings.len() {
             return None;
         }
-        for ((slot, k), &gap) in bushings.into_iter().zip(&carried.gaps) {
+        for ((slot, k), &gap) in bushings.into_iter().zip(&checkpoint.gaps) {
             let sprocket = &model.sprockets[s];
             sprocket.gap_directions.get(gap as usize)?;
             self.put_into_gap(slot, sprocket, gap);
