@@ -13,7 +13,7 @@ pub(crate) struct RestitutionDamping<R> {
     pub(crate) floor: R,
 }
 
-/// Contacts of one law at given penetrations and rates.
+/// Normal forces of contacts, with what their slopes and powers need.
 #[derive(Clone, Copy)]
 pub(crate) struct ContactLane<R: Real> {
     /// Elastic force \[N\].
@@ -24,6 +24,7 @@ pub(crate) struct ContactLane<R: Real> {
     damped: Option<Damped<R>>,
 }
 
+/// Operands of the damping factor, kept for slopes and power.
 #[derive(Clone, Copy)]
 struct Damped<R: Real> {
     damping: RestitutionDamping<R>,
@@ -45,7 +46,7 @@ impl<R: Real> ContactLane<R> {
     }
 
     /// Return contacts with the penetration rate `rate` δ' \[m/s\]. `memory` is 1/δ'₀ of each contact \[s/m\], zero for a contact without
-    /// one; its impact velocity is then the present rate.
+    /// one; its impact velocity is then the present rate, at least `floor`.
     #[inline(always)]
     pub(crate) fn damped(
         elastic: R,

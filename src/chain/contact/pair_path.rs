@@ -32,11 +32,11 @@ impl<'a> HingePath<'a> {
         let next = if k + 1 == n { 0 } else { k + 1 };
         let path = adams.dense_sums(|row| {
             let (q, v) = row.split_at(model.coordinates);
-            let pair = |q: &[f64]| {
+            let relative = |q: &[f64]| {
                 let (x, y) = (q[k] - q[next], q[n + k] - q[n + next]);
                 [x, y, q[2 * n + k], q[2 * n + next]]
             };
-            join(pair(q), pair(v))
+            concatenated(relative(q), relative(v))
         });
         let [_, _, front, rear, ..] = path.end();
         Self {
@@ -55,6 +55,7 @@ impl<'a> HingePath<'a> {
         let front = self.arms[0] * turned(self.directions[0], front);
         let rear = self.arms[1] * turned(self.directions[1], rear);
         let turning = (front_spin + front_spun) * front + (rear_spin + rear_spun) * rear;
+        // Offset e of the front end of link k from the rear end of the next link, as in the kernels (chain/rhs/chain/hinges.rs):
         // e = x_k - x_next + a_k t_k + a_next t_next; de/dt has ω × a for both arms.
         pin_in_bushing(
             Vec2::new(x + dx, y + dy) + front + rear,
@@ -102,7 +103,7 @@ impl<'a> ToothPath<'a> {
         let (tangent, origin) = tangent_way(sprocket, adams.y());
         let path = adams.dense_sums(|row| {
             let (q, v) = row.split_at(model.coordinates);
-            let pair = |q: &[f64]| {
+            let relative = |q: &[f64]| {
                 let center = match sprocket.support {
                     Support::Fixed => Vec2::zeros(),
                     Support::Slide { index, .. } => q[index] * tangent,
@@ -115,7 +116,7 @@ impl<'a> ToothPath<'a> {
                 let (x, y) = (q[x_of] - center.x, q[y_of] - center.y);
                 [x, y, q[angle_of], angle]
             };
-            join(pair(q), pair(v))
+            concatenated(relative(q), relative(v))
         });
         let [_, _, link_angle, free_angle, ..] = path.end();
         let angle = prescribed(sprocket, adams.time()).map_or(free_angle, |[angle, _]| angle);
@@ -200,7 +201,7 @@ fn prescribed(sprocket: &SprocketModel, t: f64) -> Option<[f64; 2]> {
 }
 
 /// Return the elements of both arrays in one array.
-pub(super) fn join([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 8] {
+pub(super) fn concatenated([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 8] {
     [a, b, c, d, e, f, g, h]
 }
 

@@ -1,7 +1,7 @@
 //! Relative kinematics of a bushing and its roller along the last step of the integrator.
 
 use super::clearance_joint::pin_in_bushing;
-use super::pair_path::{join, turned};
+use super::pair_path::{concatenated, turned};
 use crate::chain::model::Model;
 use crate::geometry::Contact;
 use crate::geometry::{Vec2, turned_left, unit};
@@ -28,12 +28,12 @@ impl<'a> RollerPath<'a> {
         let link = model.link_of_bushing(k);
         let path = adams.dense_sums(|row| {
             let (q, v) = row.split_at(model.coordinates);
-            let pair = |q: &[f64]| {
+            let relative = |q: &[f64]| {
                 let roller = &q[rollers.first..];
                 let (x, y) = (q[link] - roller[k], q[n + link] - roller[n + k]);
                 [x, y, q[2 * n + link], 0.0]
             };
-            join(pair(q), pair(v))
+            concatenated(relative(q), relative(v))
         });
         let [_, _, angle, ..] = path.end();
         Some(Self {

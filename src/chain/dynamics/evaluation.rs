@@ -62,15 +62,15 @@ impl Dynamics {
         let Reader {
             kernels,
             state,
-            rates,
+            accelerations,
             ..
         } = &mut *self.reader;
         let (model, memory, place) = (&self.model, &self.memory, (&self.evaluated.motion, t));
         kernels.candidates.invalidate();
         let powers = if self.keeps_energy {
-            kernels.evaluate_placed::<true>(model, memory, place, state, rates)
+            kernels.evaluate_placed::<true>(model, memory, place, state, accelerations)
         } else {
-            kernels.evaluate_placed::<false>(model, memory, place, state, rates);
+            kernels.evaluate_placed::<false>(model, memory, place, state, accelerations);
             Powers::default()
         };
         self.evaluated.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
@@ -78,9 +78,13 @@ impl Dynamics {
             .accelerations
             .chain
             .copy_from_slice(kernels.sprocket_loads());
-        self.evaluated
-            .accelerations
-            .read(model, &self.evaluated.motion, rates, &memory.pawls, t);
+        self.evaluated.accelerations.read(
+            model,
+            &self.evaluated.motion,
+            accelerations,
+            &memory.pawls,
+            t,
+        );
         self.read_hinges();
         self.read_teeth();
         powers
@@ -93,7 +97,11 @@ impl Dynamics {
             return;
         }
         self.evaluated.bristles.read(&self.model, y);
-        let Reader { kernels, rates, .. } = &mut *self.reader;
+        let Reader {
+            kernels,
+            accelerations,
+            ..
+        } = &mut *self.reader;
         if needs.teeth {
             kernels.candidates.copy(&self.kernels.candidates);
         }
@@ -101,7 +109,7 @@ impl Dynamics {
             &self.model,
             &self.memory,
             &self.evaluated.motion,
-            (y, rates),
+            (y, accelerations),
             needs.teeth,
         );
         if needs.sprocket_loads {
@@ -133,8 +141,8 @@ impl Dynamics {
             &self.evaluated.hinges,
             kernels.rollers(),
         );
-        let rates = &self.reader.rates[model.bristles.all()];
-        self.evaluated.bristles.rate.copy_from_slice(rates);
+        let accelerations = &self.reader.accelerations[model.bristles.all()];
+        self.evaluated.bristles.rate.copy_from_slice(accelerations);
     }
 
     /// Copy the tooth contacts from the last evaluation of the reader.

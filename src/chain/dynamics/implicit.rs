@@ -56,14 +56,15 @@ impl SecondOrderSystem for Dynamics {
         self.model.bristles.all()
     }
 
-    fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
-        self.kernels.solve_for_bristles(step);
+    fn begin_implicit_stage(&mut self, stage: Option<(&[f64], f64)>) {
+        self.kernels.set_bristle_stage(stage);
     }
 
     fn write_local_solution(&self, velocities: &mut [f64]) {
         velocities.copy_from_slice(self.kernels.solved_bristles());
     }
 
+    /// The matrix is multiplied by the masses; [`Self::correct`] multiplies the residual by them, too.
     fn factorise(&mut self, _y: &[f64], gamma: f64) -> bool {
         self.kernels
             .factorise(&self.model, &self.memory.pawls, gamma, false)

@@ -20,7 +20,7 @@ pub(super) struct Block<S: Simd>(pub(super) [Lanes<S>; 4]);
 
 /// One SIMD vector of pairs x, y.
 #[derive(Clone, Copy)]
-pub(super) struct Pair<S: Simd>(pub(super) [Lanes<S>; 2]);
+pub(super) struct Vector<S: Simd>(pub(super) [Lanes<S>; 2]);
 
 /// Type composed of `N` SIMD vectors.
 pub(super) trait Registers<S: Simd, const N: usize>: Copy {
@@ -61,7 +61,7 @@ macro_rules! registers {
 
 registers!(Symmetric, 3);
 registers!(Block, 4);
-registers!(Pair, 2);
+registers!(Vector, 2);
 
 /// Return the octet rotated to the right: lane k holds the value of lane k - `distance`, cyclically.
 #[inline(always)]
@@ -148,9 +148,9 @@ impl<S: Simd> Symmetric<S> {
 
     /// Return self v.
     #[inline(always)]
-    pub(super) fn of(&self, v: &Pair<S>) -> Pair<S> {
+    pub(super) fn of(&self, v: &Vector<S>) -> Vector<S> {
         let ([a, d, b], [x, y]) = (self.0, v.0);
-        Pair([a.mul_add(x, b * y), b.mul_add(x, d * y)])
+        Vector([a.mul_add(x, b * y), b.mul_add(x, d * y)])
     }
 
     /// Subtract `other`.
@@ -256,9 +256,9 @@ impl<S: Simd> Block<S> {
 
     /// Return from - self v.
     #[inline(always)]
-    pub(super) fn less(&self, from: &Pair<S>, v: &Pair<S>) -> Pair<S> {
+    pub(super) fn less(&self, from: &Vector<S>, v: &Vector<S>) -> Vector<S> {
         let ([xx, xy, yx, yy], [x, y], [fx, fy]) = (self.0, v.0, from.0);
-        Pair([
+        Vector([
             xx.negate_mul_add(x, xy.negate_mul_add(y, fx)),
             yx.negate_mul_add(x, yy.negate_mul_add(y, fy)),
         ])
@@ -266,19 +266,19 @@ impl<S: Simd> Block<S> {
 
     /// Return from - selfᵀ v.
     #[inline(always)]
-    pub(super) fn transposed_less(&self, from: &Pair<S>, v: &Pair<S>) -> Pair<S> {
+    pub(super) fn transposed_less(&self, from: &Vector<S>, v: &Vector<S>) -> Vector<S> {
         self.transposed().less(from, v)
     }
 
     /// Return selfᵀ v.
     #[inline(always)]
-    pub(super) fn transposed_of(&self, v: &Pair<S>) -> Pair<S> {
+    pub(super) fn transposed_of(&self, v: &Vector<S>) -> Vector<S> {
         let ([xx, xy, yx, yy], [x, y]) = (self.0, v.0);
-        Pair([xx.mul_add(x, yx * y), xy.mul_add(x, yy * y)])
+        Vector([xx.mul_add(x, yx * y), xy.mul_add(x, yy * y)])
     }
 }
 
-impl<S: Simd> Pair<S> {
+impl<S: Simd> Vector<S> {
     /// Add `other`.
     #[inline(always)]
     pub(super) fn add(&mut self, other: &Self) {

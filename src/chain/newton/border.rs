@@ -3,14 +3,14 @@
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 
 use super::dense::Dense;
-use super::tooth_motion::Motion;
+use super::tooth_motion::BorderMotion;
 use crate::chain::rhs::pose::SprocketPose;
 
 /// Coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
 #[derive(Debug, Clone)]
 pub(super) struct SprocketMotions {
     pub(super) first: usize,
-    pub(super) motions: Vec<Motion>,
+    pub(super) motions: Vec<BorderMotion>,
 }
 
 impl SprocketMotions {
@@ -24,14 +24,14 @@ impl SprocketMotions {
                 Support::Fixed => {}
                 Support::Slide {
                     index, direction, ..
-                } => found.push((index - start, Motion::Along(direction.into()))),
+                } => found.push((index - start, BorderMotion::Along(direction.into()))),
                 Support::Floating { x, y } => {
-                    found.push((x - start, Motion::Along([1.0, 0.0])));
-                    found.push((y - start, Motion::Along([0.0, 1.0])));
+                    found.push((x - start, BorderMotion::Along([1.0, 0.0])));
+                    found.push((y - start, BorderMotion::Along([0.0, 1.0])));
                 }
             }
             if let Rotation::Free { index, .. } = sprocket.rotation {
-                found.push((index - start, Motion::Turn));
+                found.push((index - start, BorderMotion::Turn));
             }
             let first = found.first().map_or(0, |(index, _)| *index);
             debug_assert!(
@@ -50,7 +50,7 @@ impl SprocketMotions {
 
     /// Update the direction of a slide to the tangent of its guide path at the sprocket's centre.
     pub(super) fn follow(&mut self, sprocket: &SprocketModel, pose: &SprocketPose) {
-        if let (Some(Motion::Along(way)), Some((_, tangent))) = (
+        if let (Some(BorderMotion::Along(way)), Some((_, tangent))) = (
             self.motions.first_mut(),
             sprocket.slide_at(pose.center.into()),
         ) {

@@ -1,7 +1,7 @@
-//! Slopes of contact forces scaled for the matrix of one step: change of the force at its end per unit change of the velocities.
+//! Slopes of contact forces for the matrix of one step: γ times the change of the force per unit change of the velocities \[kg\].
 //!
-//! A change w of a velocity changes its coordinate by γ w. The force -f n of a contact then changes by -(α n·w, η t·w) in its own
-//! frame of n and t. Here α = γ² k + γ d and η = γ² f κ. k and d are the slopes of f with penetration and penetration rate; κ is
+//! A change w of a velocity changes its coordinate by γ w. The force -f n of a contact then changes by δF, with
+//! γ δF = -(α n·w, η t·w) in its own frame of n and t. Here α = γ² k + γ d and η = γ² f κ. k and d are the slopes of f with penetration and penetration rate; κ is
 //! the curvature.
 //!
 //! Two terms are neglected, which keeps the matrix symmetric. A contact that slides across with s changes its rate by d κ s. A body
@@ -48,13 +48,13 @@ pub(super) const LEAST_SHARE: f64 = 1e-10;
 
 /// Flags of the hinges that transmit force: one or zero. A copy of the last one precedes the first, which is at entry [`BASE`].
 #[derive(Debug, Clone)]
-pub(super) struct Closed {
+pub(super) struct LoadedHinges {
     pub(super) hinges: Numbers,
     /// Whether any hinge transmits force.
     pub(super) any: bool,
 }
 
-impl Closed {
+impl LoadedHinges {
     /// Allocate the flags of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         Self {
@@ -67,14 +67,14 @@ impl Closed {
 /// Arms of the contact points of hinges with friction from the centres of the ends, along t, times τ/(η + τ) \[m\]. Hinge k is at
 /// [`BASE`] + k; a copy of the last one precedes the first.
 #[derive(Debug, Clone)]
-pub(super) struct Arms {
+pub(super) struct FrictionArms {
     /// Arms from fronts, x and y.
     pub(super) front: [Numbers; 2],
     /// Arms from rears, x and y.
     pub(super) rear: [Numbers; 2],
 }
 
-impl Arms {
+impl FrictionArms {
     /// Allocate the arms of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         let zeros = || padded_zeros(BASE + hinges);
@@ -86,7 +86,7 @@ impl Arms {
 
     /// Copy the last hinge to the entry before the first.
     #[inline(always)]
-    pub(super) fn close(&mut self, hinges: usize) {
+    pub(super) fn repeat_last(&mut self, hinges: usize) {
         for array in self.front.iter_mut().chain(&mut self.rear) {
             array[BASE - 1] = array[BASE + hinges - 1];
         }
@@ -113,22 +113,22 @@ impl Arms {
 }
 
 /// Initialise the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η. Hinges without force get the identity.
-/// `RUBBED`: with friction, η + τ in the place of η; only then `arms` are written.
+/// `FRICTION`: with friction, η + τ in the place of η; only then `arms` are written.
 #[inline(always)]
-pub(super) fn assemble_compliance<S: Simd, const RUBBED: bool>(
+pub(super) fn assemble_compliance<S: Simd, const FRICTION: bool>(
     simd: S,
     gamma: f64,
     hinges: &ContactSlopes,
-    closed: &mut Closed,
+    loaded: &mut LoadedHinges,
     blocks: &mut HingeBlocks,
-    arms: &mut Arms,
+    arms: &mut FrictionArms,
 ) {
     let slopes = &hinges.normal;
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
-    closed.any = false;
+    loaded.any = false;
     let count = parts::<S>().len();
-    let bearing = vectors_mut::<S>(&mut closed.hinges[BASE..], slopes.len() * count);
+    let bearing = vectors_mut::<S>(&mut loaded.hinges[BASE..], slopes.len() * count);
     let mut own = own_registers::<S>(&mut blocks.own, slopes.len() * count);
     for (number, slopes) in slopes.iter().enumerate() {
         for part in parts::<S>() {
@@ -139,12 +139,12 @@ pub(super) fn assemble_compliance<S: Simd, const RUBBED: bool>(
                 for (own, entry) in own.iter_mut().zip([one, one, zero]) {
                     own[i] = entry.values();
                 }
-                if RUBBED {
+                if FRICTION {
                     arms.put(i, [zero; 2], zero, [zero; 2]);
                 }
                 continue;
             }
-            closed.any = true;
+            loaded.any = true;
             let [alpha, eta] = scaled(gamma, simd, slopes, part);
             let alpha = bears.select(alpha.max(least), one);
             let mut eta = bears.select(eta.max(alpha * least_share), one);
@@ -152,7 +152,7 @@ pub(super) fn assemble_compliance<S: Simd, const RUBBED: bool>(
                 slopes.normal[0].at(simd, part),
                 slopes.normal[1].at(simd, part),
             );
-            if RUBBED {
+            if FRICTION {
                 let friction = &hinges.friction[number];
                 let tau = Lanes::splat(simd, gamma) * friction.slope.at(simd, part);
                 let both = eta + tau;
@@ -175,10 +175,10 @@ pub(super) fn assemble_compliance<S: Simd, const RUBBED: bool>(
     }
 }
 
-impl Closed {
+impl LoadedHinges {
     /// Copy the last hinge to the entry before the first.
     #[inline(always)]
-    pub(super) fn close(&mut self, hinges: usize) {
+    pub(super) fn repeat_last(&mut self, hinges: usize) {
         self.hinges[BASE - 1] = self.hinges[BASE + hinges - 1];
     }
 }

@@ -18,12 +18,12 @@ struct Residual<'a, S: Simd> {
 
 impl<S: Simd> RightHand<S> for Residual<'_, S> {
     #[inline(always)]
-    fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3] {
+    fn at(&self, simd: S, mass: [Lanes<S>; 3], touches_teeth: bool, i: usize) -> [Lanes<S>; 3] {
         let mut right = mass;
         for (right, accelerations) in right.iter_mut().zip(&self.accelerations) {
             *right = *right * accelerations.at(i);
         }
-        if held {
+        if touches_teeth {
             let count = parts::<S>().len();
             for (column, &alone) in self.columns.iter().zip(self.alone) {
                 take(simd, &mut right, &column[i / count], alone, i % count);
@@ -42,14 +42,14 @@ fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor:
     }
 }
 
-/// Kernel of [`NewtonMatrix::correct`]; `RUBBED`: with moments on the links.
-pub(super) struct Correct<'a, const RUBBED: bool> {
+/// Kernel of [`NewtonMatrix::correct`]; `FRICTION`: with moments on the links.
+pub(super) struct Correct<'a, const FRICTION: bool> {
     pub(super) matrix: &'a mut NewtonMatrix,
     pub(super) model: &'a Model,
     pub(super) residual: &'a mut [f64],
 }
 
-impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
+impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
     type Output = ();
 
     #[inline(always)]
@@ -74,7 +74,7 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
         let (of_border, of_rollers) = alone.split_at_mut(border.len());
         if let (Some(terms), [.., column]) = (terms, &mut columns[..]) {
             let (links, right) = (&matrix.links, &*rollers);
-            terms.solve_free::<S, RUBBED>(simd, right, border, links, column);
+            terms.solve_free::<S, FRICTION>(simd, right, border, links, column);
             of_border.fill(0.0);
             of_rollers.fill(-1.0);
         }
@@ -96,10 +96,10 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
         };
         matrix
             .links
-            .solve_free::<S, _, RUBBED>(simd, n, &matrix.closed, &right);
+            .solve_free::<S, _, FRICTION>(simd, n, &matrix.loaded, &right);
         matrix.solve_hinges(simd, n);
         matrix.sums.fill(PartialSums::default());
-        matrix.links.solve_bound::<S, RUBBED>(
+        matrix.links.solve_bound::<S, FRICTION>(
             simd,
             &mut matrix.unknowns,
             &matrix.columns,
@@ -115,7 +115,7 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
         }
         if let Some(terms) = &mut matrix.rollers {
             let (links, unknowns) = (&matrix.links, &matrix.unknowns);
-            terms.solve_bound::<S, RUBBED>(simd, links, unknowns, border, rollers);
+            terms.solve_bound::<S, FRICTION>(simd, links, unknowns, border, rollers);
         }
         put_solution(simd, &matrix.unknowns, links);
     }

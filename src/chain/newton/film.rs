@@ -1,12 +1,12 @@
 //! Compliances of hinges with lubricant: contact, friction and film in parallel, one symmetric 2x2 block per hinge.
 //!
-//! The force of a film changes by `-(γ D + γ² K)` per unit change of the velocities, where D and K are its slopes. Their asymmetric
+//! γ times the force of a film changes by `-(γ D + γ² K)` per unit change of the velocities, where D and K are its slopes. Their asymmetric
 //! parts are neglected. The rotation of the film's frame with the ends is neglected too; its relative size is the eccentricity over
 //! a lever.
 
 use pulp::Simd;
 
-use super::contacts::{Arms, BASE, Closed, LEAST, LEAST_SHARE, scaled};
+use super::contacts::{BASE, FrictionArms, LEAST, LEAST_SHARE, LoadedHinges, scaled};
 use super::ring::{HingeBlocks, own_registers};
 use crate::chain::rhs::slopes::{ContactSlopes, FilmGroup};
 use crate::math::simd::{Lanes, parts, read, vectors_mut};
@@ -22,18 +22,18 @@ pub(super) fn assemble_film_compliance<S: Simd>(
     gamma: f64,
     hinges: &ContactSlopes,
     films: &[FilmGroup],
-    closed: &mut Closed,
+    loaded: &mut LoadedHinges,
     blocks: &mut HingeBlocks,
-    arms: &mut Arms,
+    arms: &mut FrictionArms,
 ) {
     let slopes = &hinges.normal;
     let splat = |value| Lanes::splat(simd, value);
     let (zero, one) = (splat(0.0), splat(1.0));
     let (least, least_share) = (splat(LEAST), splat(LEAST_SHARE));
     let (once, twice) = (splat(gamma), splat(gamma * gamma));
-    closed.any = true;
+    loaded.any = true;
     let count = parts::<S>().len();
-    let bearing = vectors_mut::<S>(&mut closed.hinges[BASE..], slopes.len() * count);
+    let bearing = vectors_mut::<S>(&mut loaded.hinges[BASE..], slopes.len() * count);
     let mut own = own_registers::<S>(&mut blocks.own, slopes.len() * count);
     let each = slopes.iter().zip(films).zip(&hinges.friction);
     for (number, ((slopes, film), friction)) in each.enumerate() {

@@ -6,7 +6,7 @@ use super::spatial::Spatial;
 use crate::math::simd::Lanes;
 
 /// Coupling of the two hinges of a vector of links.
-pub(super) struct Ends<S: Simd> {
+pub(super) struct HingeCoupling<S: Simd> {
     /// `F D⁻¹ F^T`: xx, yy, xy.
     pub(super) front: [Lanes<S>; 3],
     /// `R D⁻¹ R^T`
@@ -15,7 +15,7 @@ pub(super) struct Ends<S: Simd> {
     pub(super) between: [Lanes<S>; 4],
 }
 
-impl<S: Simd> Ends<S> {
+impl<S: Simd> HingeCoupling<S> {
     /// Return the coupling by links without tooth contact: D = diag(m, m, J), levers (u, v) and (-u, -v).
     #[inline(always)]
     pub(super) fn of_free(light: Lanes<S>, turn: Lanes<S>, [u, v]: [Lanes<S>; 2]) -> Self {

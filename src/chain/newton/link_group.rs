@@ -2,8 +2,8 @@
 
 use pulp::Simd;
 
-use super::contacts::{Arms, BASE, Closed};
-use super::link_ends::Ends;
+use super::contacts::{BASE, FrictionArms, LoadedHinges};
+use super::link_ends::HingeCoupling;
 use super::spatial::Spatial;
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
@@ -20,7 +20,7 @@ pub(super) struct LinkGroup {
     /// One where bushing k - 1 is on the rear of link k.
     pub(super) rear_bushing: Octet,
     /// Whether a bushing of one of these links touches a tooth.
-    pub(super) held: bool,
+    pub(super) touches_teeth: bool,
     /// u and v: velocity of the link's front per angular velocity of the link \[m\].
     pub(super) lever: [Octet; 2],
     /// Inverse of D: xx, xy, xθ, yy, yθ, θθ. Without tooth contact D is diagonal and only the last entry is used.
@@ -47,7 +47,7 @@ impl LinkGroup {
             inverse_mass: lay_out(&|i| 1.0 / model.chain.mass[i], 1.0),
             front_bushing: lay_out(&|i| f64::from(owner(i) == i), 0.0),
             rear_bushing: lay_out(&|i| f64::from(owner(i + n - 1) == i), 0.0),
-            held: false,
+            touches_teeth: false,
             lever: [none; 2],
             inverse: [none; 6],
             free: [none; 3],
@@ -78,7 +78,7 @@ impl LinkGroup {
         right: [Lanes<S>; 3],
         part: usize,
     ) -> [Lanes<S>; 3] {
-        if self.held {
+        if self.touches_teeth {
             return Spatial(read(simd, &self.inverse, part)).times(right);
         }
         let light = self.inverse_mass.at(simd, part);
@@ -91,18 +91,18 @@ impl LinkGroup {
     /// `D = diag(m, m, J) + F^T H_f F + R^T H_r R` with the stiffness H of the teeth at the front and the rear bushing. J is the
     /// inertia with the geometric stiffness. Friction adds the moments `spun` about the bushings.
     #[inline(always)]
-    pub(super) fn held_links<S: Simd, const RUBBED: bool>(
+    pub(super) fn held_links<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
-        (held, spun): (&[Bushings<S>; 3], &[Bushings<S>; 3]),
+        (stiffness, spun): (&[Bushings<S>; 3], &[Bushings<S>; 3]),
         [u, v]: [Lanes<S>; 2],
         inertia: Lanes<S>,
         (i, part): (usize, usize),
     ) -> Spatial<S> {
         let mass = self.mass.at(simd, part);
-        let [front_xx, rear_xx] = self.of_ends(simd, &held[0], i, part);
-        let [front_yy, rear_yy] = self.of_ends(simd, &held[1], i, part);
-        let [front_xy, rear_xy] = self.of_ends(simd, &held[2], i, part);
+        let [front_xx, rear_xx] = self.of_ends(simd, &stiffness[0], i, part);
+        let [front_yy, rear_yy] = self.of_ends(simd, &stiffness[1], i, part);
+        let [front_xy, rear_xy] = self.of_ends(simd, &stiffness[2], i, part);
         let (xx, yy, xy) = (front_xx + rear_xx, front_yy + rear_yy, front_xy + rear_xy);
         let (dxx, dyy, dxy) = (front_xx - rear_xx, front_yy - rear_yy, front_xy - rear_xy);
         let turned = [u.mul_add(xx, v * xy), u.mul_add(xy, v * yy)];
@@ -114,7 +114,7 @@ impl LinkGroup {
             u.mul_add(dxy, v * dyy),
             u.mul_add(turned[0], v.mul_add(turned[1], inertia)),
         ];
-        if RUBBED {
+        if FRICTION {
             let [front_x, rear_x] = self.of_ends(simd, &spun[0], i, part);
             let [front_y, rear_y] = self.of_ends(simd, &spun[1], i, part);
             let [front, rear] = self.of_ends(simd, &spun[2], i, part);
@@ -157,14 +157,14 @@ pub(super) struct Linked<'a> {
     pub(super) gamma: f64,
     /// Cosines and sines of the links.
     pub(super) direction: [&'a [f64]; 2],
-    /// Half the pitch of every link \[m\].
+    /// Half the length of every link \[m\].
     pub(super) arm: &'a [f64],
     /// Forces on front and rear ends, x and y \[N\].
     pub(super) front_force: [&'a [f64]; 2],
     pub(super) rear_force: [&'a [f64]; 2],
     pub(super) teeth: &'a ToothTerms,
-    pub(super) closed: &'a Closed,
-    pub(super) arms: &'a Arms,
+    pub(super) loaded: &'a LoadedHinges,
+    pub(super) arms: &'a FrictionArms,
 }
 
 /// Arrays of the links in SIMD vectors.
@@ -175,7 +175,7 @@ pub(super) struct LinkRows<'a, S: Simd> {
     arm: &'a [S::f64s],
     front_force: [&'a [S::f64s]; 2],
     rear_force: [&'a [S::f64s]; 2],
-    /// Arms of the contact points of the hinges at front and rear, see [`Arms`].
+    /// Arms of the contact points of the hinges at front and rear, see [`FrictionArms`].
     front_arms: [&'a [S::f64s]; 2],
     rear_arms: [&'a [S::f64s]; 2],
 }
@@ -199,13 +199,13 @@ impl<'a, S: Simd> LinkRows<'a, S> {
 
     /// Write levers and inverse of vector `i` of links; return the coupling of their hinges.
     #[inline(always)]
-    pub(super) fn eliminate<const RUBBED: bool>(
+    pub(super) fn eliminate<const FRICTION: bool>(
         &self,
         simd: S,
         teeth: (&[Bushings<S>; 3], &[Bushings<S>; 3]),
         (links, levers): (&mut LinkGroup, &mut [Octet; 4]),
         (i, part): (usize, usize),
-    ) -> Ends<S> {
+    ) -> HingeCoupling<S> {
         let at = |array: &[S::f64s]| load(simd, &array[i]);
         let (arm, cos, sin) = (at(self.arm), at(self.cos), at(self.sin));
         let lever = [-(arm * sin), arm * cos];
@@ -217,7 +217,7 @@ impl<'a, S: Simd> LinkRows<'a, S> {
         let gamma_squared = Lanes::splat(simd, self.gamma_squared);
         let inertia = (gamma_squared * arm).mul_add(stretch, links.inertia.at(simd, part));
         let mut contacts = [lever; 2];
-        if RUBBED {
+        if FRICTION {
             let [u, v] = lever;
             let ([front_u, front_v], [rear_u, rear_v]) =
                 (self.front_arms.map(at), self.rear_arms.map(at));
@@ -225,24 +225,24 @@ impl<'a, S: Simd> LinkRows<'a, S> {
             let [[fx, fy], [rx, ry]] = contacts;
             write(levers, part, [fx, fy, rx, ry]);
         }
-        if links.held {
+        if links.touches_teeth {
             let inverse = links
-                .held_links::<S, RUBBED>(simd, teeth, lever, inertia, (i, part))
+                .held_links::<S, FRICTION>(simd, teeth, lever, inertia, (i, part))
                 .inverse();
             write(&mut links.inverse, part, inverse.0);
-            return if RUBBED {
-                Ends::apart(&inverse, contacts)
+            return if FRICTION {
+                HingeCoupling::apart(&inverse, contacts)
             } else {
-                Ends::of_held(&inverse, lever)
+                HingeCoupling::of_held(&inverse, lever)
             };
         }
         let turn = inertia.constant(1.0) / inertia;
         links.inverse[5].put(part, turn);
         let light = links.inverse_mass.at(simd, part);
-        if RUBBED {
-            Ends::apart_and_free(light, turn, contacts)
+        if FRICTION {
+            HingeCoupling::apart_and_free(light, turn, contacts)
         } else {
-            Ends::of_free(light, turn, lever)
+            HingeCoupling::of_free(light, turn, lever)
         }
     }
 }

@@ -1,12 +1,13 @@
 //! Elimination of the links: inverse of the 3x3 block of every link, and the remaining coupling between its two hinges.
 //!
-//! Row of link i: `D_i w_i + F_i^T f_i - R_i^T f_(i-1) = M_i r_i`, where `f_i` is the change of the force of hinge i. F and R give
+//! Row of link i: `D_i w_i + F_i^T f_i - R_i^T f_(i-1) = M_i r_i`, where `f_i` is γ times the change of the force of
+//! hinge i \[N s\]. F and R give
 //! the velocities of the link's front and rear: `F w = (w_x + u w_θ, w_y + v w_θ)`, R with -u, -v. Row of hinge k:
 //! `P_k f_k = F_k w_k - R_(k+1) w_(k+1)`, where P is its compliance.
 
 use pulp::Simd;
 
-use super::contacts::{BASE, Closed};
+use super::contacts::{BASE, LoadedHinges};
 use super::link_group::{Bushings, LinkGroup, LinkRows, Linked};
 use super::ring::{HingeBlocks, coupling_registers, hinge_numbers, own_registers};
 use super::teeth::ToothTerms;
@@ -66,7 +67,7 @@ impl LinkTerms {
 impl LinkTerms {
     /// Eliminate all links; the result is added to the ring, which holds the hinges' compliances.
     #[inline(always)]
-    pub(super) fn eliminate<S: Simd, const RUBBED: bool>(
+    pub(super) fn eliminate<S: Simd, const FRICTION: bool>(
         &mut self,
         simd: S,
         of: &Linked,
@@ -74,40 +75,40 @@ impl LinkTerms {
     ) {
         let count = parts::<S>().len();
         let blocks = self.groups.len() * count;
-        let closed = vectors::<S>(&of.closed.hinges[BASE..], blocks);
-        let closed_before = vectors::<S>(&of.closed.hinges[BASE - 1..], blocks);
+        let loaded = vectors::<S>(&of.loaded.hinges[BASE..], blocks);
+        let loaded_before = vectors::<S>(&of.loaded.hinges[BASE - 1..], blocks);
         let links = LinkRows::<S>::of(of, blocks);
         {
             let [xx, yy, xy] = &mut self.rear;
             let mut rear = [xx, yy, xy].map(|axis| vectors_mut::<S>(axis, blocks));
             let teeth = (
-                &Bushings::<S>::of_three(&of.teeth.held, blocks),
+                &Bushings::<S>::of_three(&of.teeth.tooth_stiffness, blocks),
                 &Bushings::<S>::of_three(&of.teeth.spun, blocks),
             );
             let mut own = own_registers::<S>(&mut ring.own, blocks);
             let mut couplings = coupling_registers::<S>(&mut ring.before, blocks);
             let groups = self.groups.iter_mut().zip(&mut self.levers);
             for (number, (group, levers)) in groups.enumerate() {
-                group.held = touched(of.teeth, of.links, number);
+                group.touches_teeth = touched(of.teeth, of.links, number);
                 for part in parts::<S>() {
                     let i = number * count + part;
-                    let ends = links.eliminate::<RUBBED>(simd, teeth, (group, levers), (i, part));
+                    let ends = links.eliminate::<FRICTION>(simd, teeth, (group, levers), (i, part));
                     for (rear, entry) in rear.iter_mut().zip(ends.rear) {
                         rear[i] = entry.values();
                     }
-                    let closed = load(simd, &closed[i]);
+                    let loaded = load(simd, &loaded[i]);
                     // S_k += F D⁻¹ F^T and C_k = -F D⁻¹ R^T; hinges without force stay uncoupled.
                     for (own, entry) in own.iter_mut().zip(ends.front) {
-                        own[i] = closed.mul_add(entry, load(simd, &own[i])).values();
+                        own[i] = loaded.mul_add(entry, load(simd, &own[i])).values();
                     }
-                    let both = closed * load(simd, &closed_before[i]);
+                    let both = loaded * load(simd, &loaded_before[i]);
                     for (coupling, entry) in couplings.iter_mut().zip(ends.between) {
                         coupling[i] = (both * entry).values();
                     }
                 }
             }
         }
-        self.add_rears(simd, of.links, closed, ring);
+        self.add_rears(simd, of.links, loaded, ring);
     }
 
     /// Add `R D⁻¹ R^T` of the next link to the block of each hinge.
@@ -116,20 +117,20 @@ impl LinkTerms {
         &mut self,
         simd: S,
         links: usize,
-        closed: &[S::f64s],
+        loaded: &[S::f64s],
         ring: &mut HingeBlocks,
     ) {
         for array in &mut self.rear {
             array[links] = array[0];
         }
-        for (own, rear) in own_registers::<S>(&mut ring.own, closed.len())
+        for (own, rear) in own_registers::<S>(&mut ring.own, loaded.len())
             .into_iter()
             .zip(&self.rear)
         {
-            let rear = vectors::<S>(&rear[1..], closed.len());
-            for ((own, rear), closed) in own.iter_mut().zip(rear).zip(closed) {
-                let closed = load(simd, closed);
-                *own = closed.mul_add(load(simd, rear), load(simd, own)).values();
+            let rear = vectors::<S>(&rear[1..], loaded.len());
+            for ((own, rear), loaded) in own.iter_mut().zip(rear).zip(loaded) {
+                let loaded = load(simd, loaded);
+                *own = loaded.mul_add(load(simd, rear), load(simd, own)).values();
             }
         }
     }
@@ -137,11 +138,11 @@ impl LinkTerms {
     /// Solve the links for `right` without changes of the hinge forces. The velocity differences of the hinges are the ring's
     /// right-hand sides.
     #[inline(always)]
-    pub(super) fn solve_free<S: Simd, R: RightHand<S>, const RUBBED: bool>(
+    pub(super) fn solve_free<S: Simd, R: RightHand<S>, const FRICTION: bool>(
         &mut self,
         simd: S,
         links: usize,
-        closed: &Closed,
+        loaded: &LoadedHinges,
         right: &R,
     ) {
         let count = parts::<S>().len();
@@ -155,11 +156,11 @@ impl LinkTerms {
                     let i = number * count + part;
                     let mass = group.mass.at(simd, part);
                     let mass = [mass, mass, group.inertia.at(simd, part)];
-                    let right = right.at(simd, mass, group.held, i);
+                    let right = right.at(simd, mass, group.touches_teeth, i);
                     let free = group.times_inverse(simd, right, part);
                     let [x, y, turn] = free;
                     write(&mut group.free, part, free);
-                    if RUBBED {
+                    if FRICTION {
                         let [fx, fy, rx, ry] = read(simd, levers, part);
                         let front = [fx.mul_add(turn, x), fy.mul_add(turn, y)];
                         write(&mut group.front_velocity, part, front);
@@ -181,7 +182,7 @@ impl LinkTerms {
         // Hinge k: F_k w_k - R_(k+1) w_(k+1) with the free velocities; zero for hinges without force.
         let [x, y] = &self.rear_velocity;
         let behind = [vectors::<S>(&x[1..], blocks), vectors::<S>(&y[1..], blocks)];
-        let closed = vectors::<S>(&closed.hinges[BASE..], blocks);
+        let loaded = vectors::<S>(&loaded.hinges[BASE..], blocks);
         let [x, y] = &mut self.force;
         let force = [
             vectors_mut::<S>(&mut x[BASE..], blocks),
@@ -190,10 +191,10 @@ impl LinkTerms {
         for (number, group) in self.groups.iter().enumerate() {
             for part in parts::<S>() {
                 let i = number * count + part;
-                let closed = load(simd, &closed[i]);
+                let loaded = load(simd, &loaded[i]);
                 let [x, y] = read(simd, &group.front_velocity, part);
-                force[0][i] = (closed * (x - load(simd, &behind[0][i]))).values();
-                force[1][i] = (closed * (y - load(simd, &behind[1][i]))).values();
+                force[0][i] = (loaded * (x - load(simd, &behind[0][i]))).values();
+                force[1][i] = (loaded * (y - load(simd, &behind[1][i]))).values();
             }
         }
     }
@@ -208,7 +209,7 @@ impl LinkTerms {
 
     /// Solve the links with the changes of the hinge forces; add their products with the border's rows to `sums`.
     #[inline(always)]
-    pub(super) fn solve_bound<S: Simd, const RUBBED: bool>(
+    pub(super) fn solve_bound<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         unknowns: &mut [[Octet; 3]],
@@ -230,7 +231,7 @@ impl LinkTerms {
                 let at = |array: &[S::f64s]| load(simd, &array[i]);
                 let (front, rear) = ([at(front[0]), at(front[1])], [at(rear[0]), at(rear[1])]);
                 // w = w_free - D⁻¹ (F^T f_i - R^T f_(i-1)).
-                let turn = if RUBBED {
+                let turn = if FRICTION {
                     let [fx, fy, rx, ry] = read(simd, levers, part);
                     let of_front = fx.mul_add(front[0], fy * front[1]);
                     of_front - rx.mul_add(rear[0], ry * rear[1])
@@ -243,7 +244,7 @@ impl LinkTerms {
                 let free = read(simd, &group.free, part);
                 let bound = [free[0] - taken[0], free[1] - taken[1], free[2] - taken[2]];
                 write(unknowns, part, bound);
-                if group.held {
+                if group.touches_teeth {
                     for (row, sum) in rows.iter().zip(&mut *sums) {
                         let [x, y, turn] = read(simd, &row[number], part);
                         let turn = turn * bound[2];
@@ -256,7 +257,7 @@ impl LinkTerms {
 
     /// Write velocities of fronts, x and y, and of rears for links with these `unknowns`; with friction angular velocities too.
     #[inline(always)]
-    pub(super) fn write_ends<S: Simd, const RUBBED: bool>(
+    pub(super) fn write_ends<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         unknowns: &[[Octet; 3]],
@@ -283,7 +284,7 @@ impl LinkTerms {
                 front_y[i] = v.mul_add(turn, y).values();
                 rear_x[i] = u.negate_mul_add(turn, x).values();
                 rear_y[i] = v.negate_mul_add(turn, y).values();
-                if RUBBED {
+                if FRICTION {
                     spin[i] = turn.values();
                 }
             }
@@ -292,7 +293,7 @@ impl LinkTerms {
 
     /// Gather one column of the border from bushings to links, link by link: F^T and R^T times their values.
     #[inline(always)]
-    pub(super) fn gather_column<S: Simd, const RUBBED: bool>(
+    pub(super) fn gather_column<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         from: &[Numbers; 3],
@@ -300,7 +301,7 @@ impl LinkTerms {
     ) {
         let from = Bushings::<S>::of_three(from, self.groups.len() * parts::<S>().len());
         for (number, (group, column)) in self.groups.iter().zip(column).enumerate() {
-            if !group.held {
+            if !group.touches_teeth {
                 *column = [Octet::default(); 3];
                 continue;
             }
@@ -310,7 +311,7 @@ impl LinkTerms {
                 let [front_x, rear_x] = group.of_ends(simd, &from[0], i, part);
                 let [front_y, rear_y] = group.of_ends(simd, &from[1], i, part);
                 let mut turn = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
-                if RUBBED {
+                if FRICTION {
                     let [front, rear] = group.of_ends(simd, &from[2], i, part);
                     turn = turn + (front + rear);
                 }
@@ -322,8 +323,8 @@ impl LinkTerms {
 
 /// Right-hand sides of the links.
 pub(super) trait RightHand<S: Simd> {
-    /// Return those of vector `i` of links with masses and inertias `mass`, `held` by teeth or not.
-    fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3];
+    /// Return those of vector `i` of links with masses and inertias `mass`; `touches_teeth`: whether one of their bushings touches a tooth.
+    fn at(&self, simd: S, mass: [Lanes<S>; 3], touches_teeth: bool, i: usize) -> [Lanes<S>; 3];
 }
 
 /// Row or column of the border: x, y and θ of the links.

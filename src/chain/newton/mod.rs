@@ -28,7 +28,7 @@ mod tooth_motion;
 use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
-use contacts::{Arms, Closed, assemble_compliance};
+use contacts::{FrictionArms, LoadedHinges, assemble_compliance};
 use correct::Correct;
 use film::assemble_film_compliance;
 use link_group::Linked;
@@ -54,8 +54,8 @@ pub(crate) struct NewtonMatrix {
     /// Written by evaluations.
     pub(crate) slopes: Slopes,
     motions: Vec<SprocketMotions>,
-    arms: Arms,
-    closed: Closed,
+    arms: FrictionArms,
+    loaded: LoadedHinges,
     teeth: ToothTerms,
     /// Eliminated rollers, where rollers are bodies.
     rollers: Option<RollerTerms>,
@@ -104,8 +104,8 @@ impl NewtonMatrix {
         Self {
             slopes: Slopes::new(model),
             motions: SprocketMotions::of(model),
-            arms: Arms::new(n),
-            closed: Closed::new(n),
+            arms: FrictionArms::new(n),
+            loaded: LoadedHinges::new(n),
             teeth: ToothTerms::new(n, border),
             rollers: (model.rollers.as_ref()).map(|rollers| RollerTerms::new(model, rollers)),
             links: LinkTerms::new(model),
@@ -124,8 +124,8 @@ impl NewtonMatrix {
     /// Assemble and factorise the matrix; return false where it is singular, or indefinite without permission.
     pub(crate) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
         macro_rules! factorise {
-            ($rubbed:literal) => {
-                evaluated.instructions.run(Factorise::<$rubbed> {
+            ($friction:literal) => {
+                evaluated.instructions.run(Factorise::<$friction> {
                     matrix: self,
                     model,
                     evaluated,
@@ -164,20 +164,20 @@ impl NewtonMatrix {
 
     /// Add the contacts on all teeth to the bushings' blocks and to the border; eliminate the rollers.
     #[inline(always)]
-    fn add_teeth<S: Simd, const RUBBED: bool>(
+    fn add_teeth<S: Simd, const FRICTION: bool>(
         &mut self,
         simd: S,
         model: &Model,
         evaluated: &Evaluated,
         gamma: f64,
     ) {
-        self.teeth.clear::<RUBBED>();
+        self.teeth.clear::<FRICTION>();
         let supports = (evaluated.poses, evaluated.pawls);
         self.corner.start(model, supports, gamma);
         for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
             self.motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
             let SprocketMotions { first, motions } = &self.motions[s];
-            let among = AddTeeth::<RUBBED> {
+            let among = AddTeeth::<FRICTION> {
                 gamma,
                 pose: &evaluated.poses[s],
                 candidates,
@@ -199,39 +199,39 @@ impl NewtonMatrix {
             }
         }
         self.teeth
-            .fold_overhang::<RUBBED>(model.links, evaluated.candidates.overhang);
+            .fold_overhang::<FRICTION>(model.links, evaluated.candidates.overhang);
         if let Some(rollers) = &mut self.rollers {
             let bores = &self.slopes.rollers;
             let (teeth, corner) = (&mut self.teeth, &mut self.corner);
-            rollers.eliminate::<S, RUBBED>(simd, gamma, bores, teeth, corner);
-            teeth.close::<RUBBED>(model.links);
+            rollers.eliminate::<S, FRICTION>(simd, gamma, bores, teeth, corner);
+            teeth.repeat_last::<FRICTION>(model.links);
         }
     }
 
     /// Gather the border's columns by links and eliminate the border where its coupling is strong; return false where it is
     /// singular.
     #[inline(always)]
-    fn eliminate_border<S: Simd, const RUBBED: bool>(&mut self, simd: S, links: usize) -> bool {
+    fn eliminate_border<S: Simd, const FRICTION: bool>(&mut self, simd: S, links: usize) -> bool {
         for (from, column) in self.teeth.column.iter().zip(&mut self.columns) {
-            self.links.gather_column::<S, RUBBED>(simd, from, column);
+            self.links.gather_column::<S, FRICTION>(simd, from, column);
         }
         self.swept = self.corner.bound_by_teeth() < WEAK;
         if !self.swept {
-            self.solve_columns::<S, RUBBED>(simd, links);
+            self.solve_columns::<S, FRICTION>(simd, links);
         }
         self.corner.factorise()
     }
 
     /// Eliminate the border: corner -= cᵀ A⁻¹ c, where A is the part of links and hinges and c the columns.
     #[inline(always)]
-    fn solve_columns<S: Simd, const RUBBED: bool>(&mut self, simd: S, links: usize) {
+    fn solve_columns<S: Simd, const FRICTION: bool>(&mut self, simd: S, links: usize) {
         for j in 0..self.solved.len() {
             let column = Column(&self.columns[j]);
             self.links
-                .solve_free::<S, _, RUBBED>(simd, links, &self.closed, &column);
+                .solve_free::<S, _, FRICTION>(simd, links, &self.loaded, &column);
             self.solve_hinges(simd, links);
             self.sums.fill(PartialSums::default());
-            self.links.solve_bound::<S, RUBBED>(
+            self.links.solve_bound::<S, FRICTION>(
                 simd,
                 &mut self.solved[j],
                 &self.columns,
@@ -246,7 +246,7 @@ impl NewtonMatrix {
     /// Solve the ring for the changes of the hinge forces.
     #[inline(always)]
     fn solve_hinges<S: Simd>(&mut self, simd: S, links: usize) {
-        if self.closed.any {
+        if self.loaded.any {
             self.ring.solve(simd, self.links.ring_unknowns());
         }
         self.links.close_ring(links);
@@ -264,15 +264,15 @@ impl<S: Simd> RightHand<S> for Column<'_> {
     }
 }
 
-/// Kernel of [`NewtonMatrix::factorise`]; `RUBBED`: with moments on the links.
-struct Factorise<'a, const RUBBED: bool> {
+/// Kernel of [`NewtonMatrix::factorise`]; `FRICTION`: with moments on the links.
+struct Factorise<'a, const FRICTION: bool> {
     matrix: &'a mut NewtonMatrix,
     model: &'a Model,
     evaluated: &'a Evaluated<'a>,
     gamma: f64,
 }
 
-impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
+impl<const FRICTION: bool> WithSimd for Factorise<'_, FRICTION> {
     type Output = bool;
 
     #[inline(always)]
@@ -285,19 +285,19 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
         } = self;
         let n = model.links;
         let Slopes { hinges, films, .. } = &matrix.slopes;
-        let (closed, blocks) = (&mut matrix.closed, &mut matrix.hinges);
+        let (loaded, blocks) = (&mut matrix.loaded, &mut matrix.hinges);
         let arms = &mut matrix.arms;
-        // A film transmits moments: its hinges have friction slopes and arms, RUBBED holds.
-        if RUBBED && !films.is_empty() {
-            assemble_film_compliance(simd, gamma, hinges, films, closed, blocks, arms);
+        // A film transmits moments: its hinges have friction slopes and arms, FRICTION holds.
+        if FRICTION && !films.is_empty() {
+            assemble_film_compliance(simd, gamma, hinges, films, loaded, blocks, arms);
         } else {
-            assemble_compliance::<S, RUBBED>(simd, gamma, hinges, closed, blocks, arms);
+            assemble_compliance::<S, FRICTION>(simd, gamma, hinges, loaded, blocks, arms);
         }
-        matrix.closed.close(n);
-        if RUBBED {
-            matrix.arms.close(n);
+        matrix.loaded.repeat_last(n);
+        if FRICTION {
+            matrix.arms.repeat_last(n);
         }
-        matrix.add_teeth::<S, RUBBED>(simd, model, evaluated, gamma);
+        matrix.add_teeth::<S, FRICTION>(simd, model, evaluated, gamma);
         let ChainArrays {
             cos,
             sin,
@@ -313,13 +313,13 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
             front_force: [front_x, front_y],
             rear_force: [&rear_x[FIRST..], &rear_y[FIRST..]],
             teeth: &matrix.teeth,
-            closed: &matrix.closed,
+            loaded: &matrix.loaded,
             arms: &matrix.arms,
         };
         matrix
             .links
-            .eliminate::<S, RUBBED>(simd, &linked, &mut matrix.hinges);
-        let definite = !matrix.closed.any || matrix.ring.factorise(simd, &matrix.hinges);
-        (definite || evaluated.indefinite) && matrix.eliminate_border::<S, RUBBED>(simd, n)
+            .eliminate::<S, FRICTION>(simd, &linked, &mut matrix.hinges);
+        let definite = !matrix.loaded.any || matrix.ring.factorise(simd, &matrix.hinges);
+        (definite || evaluated.indefinite) && matrix.eliminate_border::<S, FRICTION>(simd, n)
     }
 }

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::blocks::{Block, Pair, Symmetric};
+use super::blocks::{Block, Symmetric, Vector};
 use super::bores::BoreFriction;
 use super::spatial::{Spatial, transposed_times};
 use crate::chain::model::Model;
@@ -14,7 +14,7 @@ pub(super) struct RollerGroup {
     /// One where the bushing is on the front of its link, else zero.
     pub(super) front_bushing: Octet,
     /// Whether a bushing or a tooth touches one of these rollers.
-    pub(super) held: bool,
+    pub(super) touches: bool,
     /// Whether a tooth touches one of these rollers.
     pub(super) meshes: bool,
     /// A; without friction only xx, yy, xy.
@@ -33,7 +33,7 @@ impl RollerGroup {
         let none = Octet::default();
         Self {
             front_bushing: Octet(std::array::from_fn(|lane| on_front(first + lane))),
-            held: false,
+            touches: false,
             meshes: false,
             inverse: [none; 6],
             follow: [none; 9],
@@ -41,21 +41,21 @@ impl RollerGroup {
         }
     }
 
-    /// Return A times `right`: velocities of the rollers alone. Without `RUBBED`, that of θ is zero.
+    /// Return A times `right`: velocities of the rollers alone. Without `FRICTION`, that of θ is zero.
     #[inline(always)]
-    pub(super) fn alone<S: Simd, const RUBBED: bool>(
+    pub(super) fn alone<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
         right: [Lanes<S>; 3],
     ) -> [Lanes<S>; 3] {
-        if RUBBED {
+        if FRICTION {
             return Spatial(read(simd, &self.inverse, part)).times(right);
         }
         let [xx, yy, xy, ..] = &self.inverse;
         let inverse = Symmetric([xx.at(simd, part), yy.at(simd, part), xy.at(simd, part)]);
         let [x, y, _] = right;
-        let [x, y] = inverse.of(&Pair([x, y])).0;
+        let [x, y] = inverse.of(&Vector([x, y])).0;
         [x, y, x.constant(0.0)]
     }
 
@@ -71,32 +71,32 @@ impl RollerGroup {
         ])
     }
 
-    /// Return C^T A times `right`: the force on the bushings. Without `RUBBED`, the moment is zero.
+    /// Return C^T A times `right`: the force on the bushings. Without `FRICTION`, the moment is zero.
     #[inline(always)]
-    pub(super) fn felt<S: Simd, const RUBBED: bool>(
+    pub(super) fn felt<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
         right: [Lanes<S>; 3],
     ) -> [Lanes<S>; 3] {
-        if RUBBED {
+        if FRICTION {
             return transposed_times(&read(simd, &self.follow, part), right);
         }
         let [x, y, _] = right;
-        let [x, y] = self.follow(simd, part).transposed_of(&Pair([x, y])).0;
+        let [x, y] = self.follow(simd, part).transposed_of(&Vector([x, y])).0;
         [x, y, x.constant(0.0)]
     }
 
-    /// Return the velocities of the rollers with those of their bushings, A C b plus their own; without `RUBBED`, of θ zero.
+    /// Return the velocities of the rollers with those of their bushings, A C b plus their own; without `FRICTION`, of θ zero.
     #[inline(always)]
-    pub(super) fn bound<S: Simd, const RUBBED: bool>(
+    pub(super) fn bound<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
         [x, y, turn]: [Lanes<S>; 3],
     ) -> [Lanes<S>; 3] {
         let own = read(simd, &self.free, part);
-        if RUBBED {
+        if FRICTION {
             let [a, b, c, d, e, f, g, h, i] = read(simd, &self.follow, part);
             return [
                 a.mul_add(x, b.mul_add(y, c.mul_add(turn, own[0]))),
@@ -117,7 +117,7 @@ impl RollerGroup {
 /// bushings with it.
 pub(super) struct OnTeeth<'a, S: Simd> {
     pub(super) simd: S,
-    pub(super) held: [&'a mut [S::f64s]; 3],
+    pub(super) tooth_stiffness: [&'a mut [S::f64s]; 3],
     pub(super) spun: [&'a mut [S::f64s]; 3],
 }
 
@@ -131,7 +131,7 @@ impl<S: Simd> OnTeeth<'_, S> {
         bore: &Symmetric<S>,
         (group, part): (&mut RollerGroup, usize),
     ) {
-        let [held_xx, held_yy, held_xy] = &mut self.held;
+        let [held_xx, held_yy, held_xy] = &mut self.tooth_stiffness;
         let at = |array: &[S::f64s]| load(self.simd, &array[i]);
         let (xx, yy, xy) = (mass + at(held_xx), mass + at(held_yy), at(held_xy));
         let [bore_xx, bore_yy, bore_xy] = bore.0;
@@ -164,10 +164,10 @@ impl<S: Simd> OnTeeth<'_, S> {
     ) {
         let at = |array: &[S::f64s]| load(self.simd, &array[i]);
         let own = Spatial([
-            mass + at(self.held[0]),
-            at(self.held[2]),
+            mass + at(self.tooth_stiffness[0]),
+            at(self.tooth_stiffness[2]),
             at(self.spun[0]),
-            mass + at(self.held[1]),
+            mass + at(self.tooth_stiffness[1]),
             at(self.spun[1]),
             inertia + at(self.spun[2]),
         ]);
@@ -176,12 +176,12 @@ impl<S: Simd> OnTeeth<'_, S> {
             .inverse();
         let coupling = friction.coupling(bore);
         let follow = inverse.times_general(&coupling);
-        // held = K - C^T A C.
+        // Stiffness that the bushings see: K - C^T A C.
         let left = friction
             .block(bore, friction.of_bushing, friction.of_bushing)
             .less_product(&coupling, &follow);
         let [xx, xy, xz, yy, yz, zz] = left.0;
-        for (array, entry) in self.held.iter_mut().zip([xx, yy, xy]) {
+        for (array, entry) in self.tooth_stiffness.iter_mut().zip([xx, yy, xy]) {
             array[i] = entry.values();
         }
         for (array, entry) in self.spun.iter_mut().zip([xz, yz, zz]) {
@@ -199,11 +199,11 @@ pub(super) struct Residual<'a, S: Simd> {
 }
 
 impl<S: Simd> Residual<'_, S> {
-    /// Return those of vector `i`; without `RUBBED`, that of θ is zero.
+    /// Return those of vector `i`; without `FRICTION`, that of θ is zero.
     #[inline(always)]
-    pub(super) fn at<const RUBBED: bool>(&self, i: usize) -> [Lanes<S>; 3] {
+    pub(super) fn at<const FRICTION: bool>(&self, i: usize) -> [Lanes<S>; 3] {
         let ([mass, inertia], [x, y, turn]) = (self.inertias, &self.axes);
-        let turn = if RUBBED {
+        let turn = if FRICTION {
             inertia * turn.at(i)
         } else {
             mass.constant(0.0)

@@ -3,7 +3,7 @@
 //!
 //! Row of a roller with velocity w: `(M + B + T) w - C b + c s = M r`. B is the stiffness of its bore, T that of its teeth, and C
 //! couples it with its bushing. b is the velocity of the bushing, s the sprockets' coordinates and c their columns. Without
-//! friction B = C. The remainder has the form of teeth in contact with bushings: `held = K - C^T A C` with `A = (M + B + T)⁻¹`,
+//! friction B = C. The remainder has the form of teeth in contact with bushings, whose stiffness is `K - C^T A C` with `A = (M + B + T)⁻¹`,
 //! columns `C^T A c`, and `-c^T A c` on the border. K is the stiffness of the bore at the bushing. Without friction no force
 //! depends on a roller's rotation, whose residual stays unchanged.
 
@@ -56,7 +56,7 @@ impl RollerTerms {
 
     /// Eliminate all rollers from the terms of the teeth; `bores` has the slopes of the contacts in the bores.
     #[inline(always)]
-    pub(super) fn eliminate<S: Simd, const RUBBED: bool>(
+    pub(super) fn eliminate<S: Simd, const FRICTION: bool>(
         &mut self,
         simd: S,
         gamma: f64,
@@ -73,23 +73,27 @@ impl RollerTerms {
                 bound |= slopes.force.at(simd, part).exceeds(zero).any();
             }
             group.meshes = teeth.touches(number * WIDTH);
-            group.held = bound || group.meshes;
+            group.touches = bound || group.meshes;
             if bound {
                 teeth.touch(number * WIDTH);
             }
         }
         let registers = self.groups.len() * count;
-        let held = of_column_mut::<S>(&mut teeth.held, registers);
+        let tooth_stiffness = of_column_mut::<S>(&mut teeth.tooth_stiffness, registers);
         let spun = of_column_mut::<S>(&mut teeth.spun, registers);
-        let mut on_teeth = OnTeeth { simd, held, spun };
+        let mut on_teeth = OnTeeth {
+            simd,
+            tooth_stiffness,
+            spun,
+        };
         for (number, (group, slopes)) in self.groups.iter_mut().zip(&bores.normal).enumerate() {
-            if !group.held {
+            if !group.touches {
                 continue;
             }
             for part in parts::<S>() {
                 let i = number * count + part;
                 let bore = bore::<S>(simd, gamma, slopes, part);
-                if RUBBED {
+                if FRICTION {
                     let bears = slopes.force.at(simd, part).greater(zero);
                     let friction = &bores.friction[number];
                     let friction = BoreFriction::new(simd, gamma, &slopes.normal, friction, part);
@@ -100,7 +104,7 @@ impl RollerTerms {
                 }
             }
         }
-        self.eliminate_from_border::<S, RUBBED>(simd, &mut teeth.column, corner);
+        self.eliminate_from_border::<S, FRICTION>(simd, &mut teeth.column, corner);
     }
 
     /// Return mass and moment of inertia of a roller in all lanes.
@@ -114,16 +118,16 @@ impl RollerTerms {
 
     /// Eliminate the rollers from the border: `A c`, the columns of the bushings `C^T A c`, and `-c^T A c` on the border.
     #[inline(always)]
-    fn eliminate_from_border<S: Simd, const RUBBED: bool>(
+    fn eliminate_from_border<S: Simd, const FRICTION: bool>(
         &mut self,
         simd: S,
         columns: &mut [[Numbers; 3]],
         corner: &mut Corner,
     ) {
         for (j, column) in columns.iter().enumerate() {
-            self.solve_column::<S, RUBBED>(simd, j, column);
+            self.solve_column::<S, FRICTION>(simd, j, column);
             for (above, left) in columns.iter().enumerate().take(j + 1) {
-                let entry = -self.product::<S, RUBBED>(simd, left, j);
+                let entry = -self.product::<S, FRICTION>(simd, left, j);
                 corner.add(above, j, entry);
                 if above < j {
                     corner.add(j, above, entry);
@@ -131,13 +135,13 @@ impl RollerTerms {
             }
         }
         for column in columns {
-            self.pass_to_bushings::<S, RUBBED>(simd, column);
+            self.pass_to_bushings::<S, FRICTION>(simd, column);
         }
     }
 
     /// Write `A c` of column `j` of the border, c = `column`.
     #[inline(always)]
-    fn solve_column<S: Simd, const RUBBED: bool>(
+    fn solve_column<S: Simd, const FRICTION: bool>(
         &mut self,
         simd: S,
         j: usize,
@@ -151,15 +155,20 @@ impl RollerTerms {
                 continue;
             }
             for part in parts::<S>() {
-                let c = three::<S, RUBBED>(simd, &column, number * count + part);
-                write(solved, part, group.alone::<S, RUBBED>(simd, part, c));
+                let c = three::<S, FRICTION>(simd, &column, number * count + part);
+                write(solved, part, group.alone::<S, FRICTION>(simd, part, c));
             }
         }
     }
 
     /// Return the product of a column of the border with the solution of column `j`.
     #[inline(always)]
-    fn product<S: Simd, const RUBBED: bool>(&self, simd: S, left: &[Numbers; 3], j: usize) -> f64 {
+    fn product<S: Simd, const FRICTION: bool>(
+        &self,
+        simd: S,
+        left: &[Numbers; 3],
+        j: usize,
+    ) -> f64 {
         let count = parts::<S>().len();
         let left = of_column::<S>(left, self.groups.len() * count);
         let mut sum = PartialSums::default();
@@ -169,8 +178,8 @@ impl RollerTerms {
             }
             for part in parts::<S>() {
                 let i = number * count + part;
-                let own = three::<S, RUBBED>(simd, &left, i);
-                sum.add(i, dot::<S, RUBBED>(own, read(simd, solved, part)));
+                let own = three::<S, FRICTION>(simd, &left, i);
+                sum.add(i, dot::<S, FRICTION>(own, read(simd, solved, part)));
             }
         }
         sum.total()
@@ -178,7 +187,7 @@ impl RollerTerms {
 
     /// Replace a column of the border, c, by that of the bushings, `C^T A c`.
     #[inline(always)]
-    fn pass_to_bushings<S: Simd, const RUBBED: bool>(&self, simd: S, column: &mut [Numbers; 3]) {
+    fn pass_to_bushings<S: Simd, const FRICTION: bool>(&self, simd: S, column: &mut [Numbers; 3]) {
         let count = parts::<S>().len();
         let mut column = of_column_mut::<S>(column, self.groups.len() * count);
         for (number, group) in self.groups.iter().enumerate() {
@@ -187,9 +196,9 @@ impl RollerTerms {
             }
             for part in parts::<S>() {
                 let i = number * count + part;
-                let c = three::<S, RUBBED>(simd, &column.each_ref().map(|axis| &**axis), i);
-                let felt = group.felt::<S, RUBBED>(simd, part, c);
-                put_three::<S, RUBBED>(&mut column, i, felt);
+                let c = three::<S, FRICTION>(simd, &column.each_ref().map(|axis| &**axis), i);
+                let felt = group.felt::<S, FRICTION>(simd, part, c);
+                put_three::<S, FRICTION>(&mut column, i, felt);
             }
         }
     }
@@ -197,7 +206,7 @@ impl RollerTerms {
     /// Solve the rollers for `right`, residuals x, y and θ of all, with bushings and border at rest. Subtract c^T A M r from
     /// `border` and write the `column` of the links, gathered from C^T A M r.
     #[inline(always)]
-    pub(super) fn solve_free<S: Simd, const RUBBED: bool>(
+    pub(super) fn solve_free<S: Simd, const FRICTION: bool>(
         &mut self,
         simd: S,
         right: &[f64],
@@ -220,14 +229,18 @@ impl RollerTerms {
         for (number, group) in self.groups.iter_mut().enumerate() {
             for part in parts::<S>() {
                 let i = number * count + part;
-                if !group.held {
-                    put_three::<S, RUBBED>(&mut felt, i, [zero; 3]);
+                if !group.touches {
+                    put_three::<S, FRICTION>(&mut felt, i, [zero; 3]);
                     continue;
                 }
-                let right = right.at::<RUBBED>(i);
-                let free = group.alone::<S, RUBBED>(simd, part, right);
+                let right = right.at::<FRICTION>(i);
+                let free = group.alone::<S, FRICTION>(simd, part, right);
                 write(&mut group.free, part, free);
-                put_three::<S, RUBBED>(&mut felt, i, group.felt::<S, RUBBED>(simd, part, right));
+                put_three::<S, FRICTION>(
+                    &mut felt,
+                    i,
+                    group.felt::<S, FRICTION>(simd, part, right),
+                );
             }
         }
         for (solved, entry) in self.solved.iter().zip(border) {
@@ -239,7 +252,7 @@ impl RollerTerms {
                 for part in parts::<S>() {
                     let i = number * count + part;
                     let solved = read(simd, solved, part);
-                    sum.add(i, dot::<S, RUBBED>(solved, right.at::<RUBBED>(i)));
+                    sum.add(i, dot::<S, FRICTION>(solved, right.at::<FRICTION>(i)));
                 }
             }
             *entry -= sum.total();
@@ -247,13 +260,13 @@ impl RollerTerms {
         for felt in &mut self.felt {
             felt[BASE - 1] = felt[BASE + n - 1];
         }
-        links.gather_column::<S, RUBBED>(simd, &self.felt, column);
+        links.gather_column::<S, FRICTION>(simd, &self.felt, column);
     }
 
     /// Solve the rollers with these velocities of the links and the `border`: w = A (M r + C b - c s). `to` holds the right-hand
     /// side of [`Self::solve_free`]; rollers without contact keep it.
     #[inline(always)]
-    pub(super) fn solve_bound<S: Simd, const RUBBED: bool>(
+    pub(super) fn solve_bound<S: Simd, const FRICTION: bool>(
         &mut self,
         simd: S,
         links: &LinkTerms,
@@ -264,7 +277,7 @@ impl RollerTerms {
         let n = to.len() / 3;
         let count = parts::<S>().len();
         let registers = self.groups.len() * count;
-        links.write_ends::<S, RUBBED>(simd, unknowns, &mut self.ends);
+        links.write_ends::<S, FRICTION>(simd, unknowns, &mut self.ends);
         for end in &mut self.ends[2..] {
             end[n] = end[0];
         }
@@ -276,20 +289,20 @@ impl RollerTerms {
         let mut to = [to_x, to_y, to_turn].map(|axis| EntriesMut::<S>::of(simd, axis));
         let zero = Lanes::splat(simd, 0.0);
         for (number, group) in self.groups.iter().enumerate() {
-            if !group.held {
+            if !group.touches {
                 continue;
             }
             for part in parts::<S>() {
                 let i = number * count + part;
                 let on_front = group.front_bushing.at(simd, part).greater(zero);
-                let front = three::<S, RUBBED>(simd, &fronts, i);
-                let rear = three::<S, RUBBED>(simd, &rears, i);
+                let front = three::<S, FRICTION>(simd, &fronts, i);
+                let rear = three::<S, FRICTION>(simd, &rears, i);
                 let bushing = [0, 1, 2].map(|axis| on_front.select(front[axis], rear[axis]));
-                let mut own = group.bound::<S, RUBBED>(simd, part, bushing);
+                let mut own = group.bound::<S, FRICTION>(simd, part, bushing);
                 if group.meshes {
-                    self.take_border::<S, RUBBED>(simd, (number, part), border, &mut own);
+                    self.take_border::<S, FRICTION>(simd, (number, part), border, &mut own);
                 }
-                for (to, own) in to.iter_mut().zip(own).take(axes::<RUBBED>()) {
+                for (to, own) in to.iter_mut().zip(own).take(axes::<FRICTION>()) {
                     to.set(i, own);
                 }
             }
@@ -298,7 +311,7 @@ impl RollerTerms {
 
     /// Subtract A c s from the velocities of one vector of rollers, with the solution s of the `border`.
     #[inline(always)]
-    fn take_border<S: Simd, const RUBBED: bool>(
+    fn take_border<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         (number, part): (usize, usize),
@@ -308,7 +321,7 @@ impl RollerTerms {
         for (solved, &moved) in self.solved.iter().zip(border) {
             let moved = Lanes::splat(simd, moved);
             let solved = read(simd, &solved[number], part);
-            for (own, solved) in own.iter_mut().zip(solved).take(axes::<RUBBED>()) {
+            for (own, solved) in own.iter_mut().zip(solved).take(axes::<FRICTION>()) {
                 *own = moved.negate_mul_add(solved, *own);
             }
         }
@@ -317,18 +330,18 @@ impl RollerTerms {
 
 /// Return the number of velocities of a roller in the equations: x and y, and with friction θ.
 #[inline(always)]
-const fn axes<const RUBBED: bool>() -> usize {
-    if RUBBED { 3 } else { 2 }
+const fn axes<const FRICTION: bool>() -> usize {
+    if FRICTION { 3 } else { 2 }
 }
 
-/// Return vector `i` of three arrays; without `RUBBED`, the last is zero.
+/// Return vector `i` of three arrays; without `FRICTION`, the last is zero.
 #[inline(always)]
-fn three<S: Simd, const RUBBED: bool>(
+fn three<S: Simd, const FRICTION: bool>(
     simd: S,
     [x, y, turn]: &[&[S::f64s]; 3],
     i: usize,
 ) -> [Lanes<S>; 3] {
-    let turn = if RUBBED {
+    let turn = if FRICTION {
         load(simd, &turn[i])
     } else {
         Lanes::splat(simd, 0.0)
@@ -336,23 +349,23 @@ fn three<S: Simd, const RUBBED: bool>(
     [load(simd, &x[i]), load(simd, &y[i]), turn]
 }
 
-/// Write vector `i` of three arrays; without `RUBBED`, the last is left unchanged.
+/// Write vector `i` of three arrays; without `FRICTION`, the last is left unchanged.
 #[inline(always)]
-fn put_three<S: Simd, const RUBBED: bool>(
+fn put_three<S: Simd, const FRICTION: bool>(
     to: &mut [&mut [S::f64s]; 3],
     i: usize,
     values: [Lanes<S>; 3],
 ) {
-    for (to, value) in to.iter_mut().zip(values).take(axes::<RUBBED>()) {
+    for (to, value) in to.iter_mut().zip(values).take(axes::<FRICTION>()) {
         to[i] = value.values();
     }
 }
 
-/// Return the product of two vectors; without `RUBBED`, their last components are zero.
+/// Return the product of two vectors; without `FRICTION`, their last components are zero.
 #[inline(always)]
-fn dot<S: Simd, const RUBBED: bool>(left: [Lanes<S>; 3], right: [Lanes<S>; 3]) -> Lanes<S> {
+fn dot<S: Simd, const FRICTION: bool>(left: [Lanes<S>; 3], right: [Lanes<S>; 3]) -> Lanes<S> {
     let mut rest = left[1] * right[1];
-    if RUBBED {
+    if FRICTION {
         rest = left[1].mul_add(right[1], left[2] * right[2]);
     }
     left[0].mul_add(right[0], rest)

@@ -4,7 +4,7 @@
 use pulp::Simd;
 
 use super::contacts::{BASE, scaled};
-use super::tooth_motion::{MOST, Motion, Tooth};
+use super::tooth_motion::{BorderMotion, MOST, Tooth};
 use crate::chain::contact::SprocketCandidates;
 use crate::chain::rhs::pose::SprocketPose;
 use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
@@ -18,7 +18,7 @@ use crate::math::simd::{
 #[derive(Debug, Clone)]
 pub(super) struct ToothTerms {
     /// xx, yy, xy
-    pub(super) held: [Numbers; 3],
+    pub(super) tooth_stiffness: [Numbers; 3],
     /// Moments about the bushings by friction: per change of their velocity, x and y, and of their angular velocity.
     pub(super) spun: [Numbers; 3],
     /// Force x and y of each coordinate, and its moment about the bushing.
@@ -33,7 +33,7 @@ impl ToothTerms {
         let room = padded(BASE + 2 * links + 3 * WIDTH);
         let zeros = || padded_zeros(room);
         Self {
-            held: [(); 3].map(|()| zeros()),
+            tooth_stiffness: [(); 3].map(|()| zeros()),
             spun: [(); 3].map(|()| zeros()),
             column: (0..border).map(|_| [(); 3].map(|()| zeros())).collect(),
             touched: vec![false; room / WIDTH],
@@ -42,34 +42,34 @@ impl ToothTerms {
 
     /// Set the marked groups and the copies before the first bushing to zero.
     #[inline(always)]
-    pub(super) fn clear<const RUBBED: bool>(&mut self) {
+    pub(super) fn clear<const FRICTION: bool>(&mut self) {
         for group in 0..self.touched.len() {
             if !std::mem::take(&mut self.touched[group]) {
                 continue;
             }
-            for array in &mut self.held {
+            for array in &mut self.tooth_stiffness {
                 clear_group(array, group);
             }
             for arrays in &mut self.column {
                 clear_group(&mut arrays[0], group);
                 clear_group(&mut arrays[1], group);
-                if RUBBED {
+                if FRICTION {
                     clear_group(&mut arrays[2], group);
                 }
             }
-            if RUBBED {
+            if FRICTION {
                 for array in &mut self.spun {
                     clear_group(array, group);
                 }
             }
         }
-        for array in &mut self.held {
+        for array in &mut self.tooth_stiffness {
             array[BASE - 1] = 0.0;
         }
         for array in self.column.iter_mut().flatten() {
             array[BASE - 1] = 0.0;
         }
-        if RUBBED {
+        if FRICTION {
             for array in &mut self.spun {
                 array[BASE - 1] = 0.0;
             }
@@ -84,10 +84,14 @@ impl ToothTerms {
 
     /// Copy the last one of `links` bushings to the entry before the first.
     #[inline(always)]
-    pub(super) fn close<const RUBBED: bool>(&mut self, links: usize) {
-        let spun = if RUBBED { &mut self.spun[..] } else { &mut [] };
-        let pulls = pulls::<RUBBED>(&mut self.column);
-        for array in self.held.iter_mut().chain(pulls).chain(spun) {
+    pub(super) fn repeat_last<const FRICTION: bool>(&mut self, links: usize) {
+        let spun = if FRICTION {
+            &mut self.spun[..]
+        } else {
+            &mut []
+        };
+        let pulls = pulls::<FRICTION>(&mut self.column);
+        for array in self.tooth_stiffness.iter_mut().chain(pulls).chain(spun) {
             array[BASE - 1] = array[BASE + links - 1];
         }
     }
@@ -101,7 +105,7 @@ impl ToothTerms {
     /// Add the terms that runs past the last bushing have written behind it to the first bushings. Copy the last bushing to the
     /// entry before the first.
     #[inline(always)]
-    pub(super) fn fold_overhang<const RUBBED: bool>(&mut self, links: usize, overhang: usize) {
+    pub(super) fn fold_overhang<const FRICTION: bool>(&mut self, links: usize, overhang: usize) {
         let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
         let past = overhang > 0 && self.touched[behind].contains(&true);
         if past {
@@ -110,9 +114,13 @@ impl ToothTerms {
         if !past && !self.touches(links - 1) {
             return;
         }
-        let spun = if RUBBED { &mut self.spun[..] } else { &mut [] };
-        let pulls = pulls::<RUBBED>(&mut self.column);
-        for array in self.held.iter_mut().chain(pulls).chain(spun) {
+        let spun = if FRICTION {
+            &mut self.spun[..]
+        } else {
+            &mut []
+        };
+        let pulls = pulls::<FRICTION>(&mut self.column);
+        for array in self.tooth_stiffness.iter_mut().chain(pulls).chain(spun) {
             if past {
                 // Entries behind the overhang are zero.
                 for first in (BASE..BASE + overhang).step_by(WIDTH) {
@@ -138,15 +146,15 @@ fn clear_group(array: &mut Numbers, group: usize) {
 
 /// Return the arrays of the columns; those of moments only with friction.
 #[inline(always)]
-fn pulls<const RUBBED: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item = &mut Numbers> {
-    let count = if RUBBED { 3 } else { 2 };
+fn pulls<const FRICTION: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item = &mut Numbers> {
+    let count = if FRICTION { 3 } else { 2 };
     column
         .iter_mut()
         .flat_map(move |arrays| &mut arrays[..count])
 }
 
-/// Candidates of one sprocket, to be added to the terms. `RUBBED`: with friction.
-pub(super) struct AddTeeth<'a, const RUBBED: bool> {
+/// Candidates of one sprocket, to be added to the terms. `FRICTION`: with friction.
+pub(super) struct AddTeeth<'a, const FRICTION: bool> {
     pub(super) gamma: f64,
     pub(super) pose: &'a SprocketPose,
     pub(super) candidates: &'a SprocketCandidates,
@@ -156,11 +164,11 @@ pub(super) struct AddTeeth<'a, const RUBBED: bool> {
     /// Radius of the bushings \[m\].
     pub(super) bushing_radius: f64,
     /// Coordinates of the sprocket; the first is number `first` on the border.
-    pub(super) motions: &'a [Motion],
+    pub(super) motions: &'a [BorderMotion],
     pub(super) first: usize,
 }
 
-impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
+impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
     /// Add all candidates to `terms`. Return the entries of the sprocket's coordinates among themselves, on and above the diagonal.
     #[inline(always)]
     pub(super) fn add<S: Simd>(&self, simd: S, terms: &mut ToothTerms) -> [[f64; MOST]; MOST] {
@@ -170,7 +178,7 @@ impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
             let blocks = run.length.div_ceil(S::F64_LANES);
             let [x, y] = both::<S>(self.bushing, run.first, blocks);
             let ToothTerms {
-                held: [xx, yy, xy],
+                tooth_stiffness: [xx, yy, xy],
                 spun,
                 column,
                 touched,
@@ -178,7 +186,7 @@ impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
             let mut terms = TermsOfRun::<S> {
                 first: run.first,
                 blocks,
-                held: [
+                tooth_stiffness: [
                     vectors_mut::<S>(&mut xx[BASE + run.first..], blocks),
                     vectors_mut::<S>(&mut yy[BASE + run.first..], blocks),
                     vectors_mut::<S>(&mut xy[BASE + run.first..], blocks),
@@ -187,7 +195,7 @@ impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
                 columns: &mut column[self.first..],
             };
             let slopes = &self.slopes.normal[run.slot / WIDTH..];
-            let friction = &self.slopes.friction[if RUBBED { run.slot / WIDTH } else { 0 }..];
+            let friction = &self.slopes.friction[if FRICTION { run.slot / WIDTH } else { 0 }..];
             for (b, (x, y)) in x.iter().zip(y).enumerate() {
                 let number = b * S::F64_LANES / WIDTH;
                 let (slopes, part) = (&slopes[number], b % (WIDTH / S::F64_LANES));
@@ -196,20 +204,20 @@ impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
                     continue;
                 }
                 let center = [load(simd, x), load(simd, y)];
-                let friction = RUBBED.then(|| friction[number].slope.at(simd, part));
+                let friction = FRICTION.then(|| friction[number].slope.at(simd, part));
                 let tooth = self.tooth(center, force, (slopes, part), friction);
                 let group = run.first + number * WIDTH;
                 // A run may begin within a group: its vectors then reach into the next one.
                 touched[group / WIDTH] = true;
                 touched[group.div_ceil(WIDTH)] = true;
-                terms.hold::<RUBBED>(b, &tooth);
-                terms.couple::<RUBBED>(b, &tooth, self.motions, &mut corner);
+                terms.hold::<FRICTION>(b, &tooth);
+                terms.couple::<FRICTION>(b, &tooth, self.motions, &mut corner);
             }
         }
         totals(&corner, self.motions.len())
     }
 
-    /// Return one vector of bushings in contact, with these centres \[m\], normal forces \[N\] and, for `RUBBED`, slopes of friction.
+    /// Return one vector of bushings in contact, with these centres \[m\], normal forces \[N\] and, for `FRICTION`, slopes of friction.
     #[inline(always)]
     fn tooth<S: Simd>(
         &self,
@@ -246,7 +254,7 @@ struct TermsOfRun<'a, S: Simd> {
     first: usize,
     /// Number of vectors.
     blocks: usize,
-    held: [&'a mut [S::f64s]; 3],
+    tooth_stiffness: [&'a mut [S::f64s]; 3],
     spun: &'a mut [Numbers; 3],
     /// Columns of the sprocket.
     columns: &'a mut [[Numbers; 3]],
@@ -255,12 +263,12 @@ struct TermsOfRun<'a, S: Simd> {
 impl<S: Simd> TermsOfRun<'_, S> {
     /// Add the stiffness of vector `b` to the bushings.
     #[inline(always)]
-    fn hold<const RUBBED: bool>(&mut self, b: usize, tooth: &Tooth<S>) {
+    fn hold<const FRICTION: bool>(&mut self, b: usize, tooth: &Tooth<S>) {
         let simd = tooth.turn.simd();
-        for (array, entry) in self.held.iter_mut().zip(tooth.stiff()) {
+        for (array, entry) in self.tooth_stiffness.iter_mut().zip(tooth.stiff()) {
             array[b] = (load(simd, &array[b]) + entry).values();
         }
-        if RUBBED {
+        if FRICTION {
             let ([nx, ny], moment) = (tooth.normal, tooth.radius * tooth.tau);
             let entries = [-(moment * ny), moment * nx, moment * tooth.radius];
             for (array, entry) in self.spun.iter_mut().zip(entries) {
@@ -271,11 +279,11 @@ impl<S: Simd> TermsOfRun<'_, S> {
 
     /// Add vector `b` to the columns of the sprocket's coordinates and to their entries among themselves.
     #[inline(always)]
-    fn couple<const RUBBED: bool>(
+    fn couple<const FRICTION: bool>(
         &mut self,
         b: usize,
         tooth: &Tooth<S>,
-        motions: &[Motion],
+        motions: &[BorderMotion],
         corner: &mut [[PartialSums; MOST]; MOST],
     ) {
         let ([nx, ny], tau) = (tooth.normal, tooth.tau);
@@ -285,14 +293,14 @@ impl<S: Simd> TermsOfRun<'_, S> {
             // Column j: α n ∂δ/∂s_j + t (γ² f ∂φ/∂s_j + τ ∂x_t/∂s_j), with the penetration δ, the angle φ of the normal and
             // the sliding distance x_t.
             let (push, mut across) = (tooth.alpha * of.closes, tooth.turn * of.turns);
-            if RUBBED {
+            if FRICTION {
                 across = tau.mul_add(of.slides, across);
             }
             let pull = [
                 nx.mul_add(push, -(ny * across)),
                 ny.mul_add(push, nx * across),
             ];
-            if RUBBED {
+            if FRICTION {
                 let array = &mut self.columns[j][2][BASE + self.first..];
                 add(array, self.blocks, b, tooth.radius * tau * of.slides);
             }
@@ -302,11 +310,11 @@ impl<S: Simd> TermsOfRun<'_, S> {
             for (i, by) in moved.iter().enumerate().take(j + 1) {
                 // Entry (i, j): α ∂δ/∂s_i ∂δ/∂s_j + γ² f ∂²δ/(∂s_i ∂s_j) + τ ∂x_t/∂s_i ∂x_t/∂s_j.
                 let second = match motion {
-                    Motion::Along(_) => of.across * by.turns,
-                    Motion::Turn => by.across - by.turns * tooth.outward(),
+                    BorderMotion::Along(_) => of.across * by.turns,
+                    BorderMotion::Turn => by.across - by.turns * tooth.outward(),
                 };
                 let mut entry = by.closes.mul_add(push, tooth.turn * second);
-                if RUBBED {
+                if FRICTION {
                     entry = (tau * by.slides).mul_add(of.slides, entry);
                 }
                 corner[i][j].add(b, entry);

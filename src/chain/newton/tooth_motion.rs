@@ -6,7 +6,7 @@ use crate::math::simd::Lanes;
 
 /// Coordinate of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Motion {
+pub(super) enum BorderMotion {
     /// Displacement of its centre along this direction.
     Along([f64; 2]),
     /// Rotation.
@@ -60,7 +60,7 @@ impl<S: Simd> Tooth<S> {
 
     /// Return the derivatives for each of these coordinates.
     #[inline(always)]
-    pub(super) fn all_moved(&self, motions: &[Motion]) -> [Moved<S>; MOST] {
+    pub(super) fn all_moved(&self, motions: &[BorderMotion]) -> [Moved<S>; MOST] {
         let mut moved = [self.still(); MOST];
         for (moved, &motion) in moved.iter_mut().zip(motions) {
             *moved = self.moved(motion);
@@ -88,10 +88,10 @@ impl<S: Simd> Tooth<S> {
 
     /// Return the derivatives for one coordinate.
     #[inline(always)]
-    fn moved(&self, motion: Motion) -> Moved<S> {
+    fn moved(&self, motion: BorderMotion) -> Moved<S> {
         let [nx, ny] = self.normal;
         match motion {
-            Motion::Along(direction) => {
+            BorderMotion::Along(direction) => {
                 let [x, y] = [nx.constant(direction[0]), nx.constant(direction[1])];
                 let across = ny.mul_add(x, -(nx * y));
                 Moved {
@@ -101,7 +101,7 @@ impl<S: Simd> Tooth<S> {
                     slides: across,
                 }
             }
-            Motion::Turn => {
+            BorderMotion::Turn => {
                 let [x, y] = self.arm;
                 let one = nx.constant(1.0);
                 Moved {

@@ -32,7 +32,7 @@ pub(crate) struct Reader {
     /// State of an evaluation without a given state.
     pub(crate) state: Vec<f64>,
     /// Accelerations of all coordinates.
-    pub(crate) rates: Vec<f64>,
+    pub(crate) accelerations: Vec<f64>,
     /// Tooth contacts of the candidates of one sprocket.
     pub(crate) readings: ToothReadings,
 }
@@ -42,7 +42,7 @@ impl Reader {
         Self {
             kernels: Kernels::new(model),
             state: vec![0.0; 2 * model.coordinates],
-            rates: vec![0.0; model.coordinates],
+            accelerations: vec![0.0; model.coordinates],
             readings: ToothReadings::new(Candidates::most_slots(model)),
         }
     }

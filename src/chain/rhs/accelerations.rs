@@ -2,26 +2,26 @@
 
 use super::Kernels;
 use super::layout::FIRST;
-use super::loads::{AccelerateLinks, AccelerateRollers};
+use super::link_accelerations::{AccelerateLinks, AccelerateRollers};
 use crate::chain::dynamics::sprocket_acceleration;
 use crate::chain::model::{Model, OpenEnds, Rotation, Support};
 use crate::geometry::Vec2;
 
 impl Kernels {
     /// Write the accelerations of the links.
-    pub(super) fn accelerate_links(&mut self, model: &Model, rates: &mut [f64]) {
+    pub(super) fn accelerate_links(&mut self, model: &Model, accelerations: &mut [f64]) {
         let n = model.links;
-        let (x, rest) = rates.split_at_mut(n);
+        let (x, rest) = accelerations.split_at_mut(n);
         let (y, rest) = rest.split_at_mut(n);
-        let accelerations = [x, y, &mut rest[..n]];
+        let of_bodies = [x, y, &mut rest[..n]];
         macro_rules! accelerate {
-            ($rubbed:literal) => {
-                self.instructions.run(AccelerateLinks::<$rubbed> {
+            ($friction:literal) => {
+                self.instructions.run(AccelerateLinks::<$friction> {
                     constants: &self.links,
                     arrays: &mut self.chain,
                     overhang: self.candidates.overhang,
                     gravity: model.gravity.into(),
-                    accelerations,
+                    accelerations: of_bodies,
                 })
             };
         }
@@ -33,23 +33,23 @@ impl Kernels {
     }
 
     /// Write the accelerations of the rollers.
-    pub(super) fn accelerate_rollers(&mut self, model: &Model, rates: &mut [f64]) {
+    pub(super) fn accelerate_rollers(&mut self, model: &Model, accelerations: &mut [f64]) {
         let (Some(rollers), Some(of)) = (&mut self.rollers, &model.rollers) else {
             return;
         };
         let n = model.links;
-        let (x, rest) = rates[of.first..].split_at_mut(n);
+        let (x, rest) = accelerations[of.first..].split_at_mut(n);
         let (y, rest) = rest.split_at_mut(n);
-        let accelerations = [x, y, &mut rest[..n]];
+        let of_bodies = [x, y, &mut rest[..n]];
         macro_rules! accelerate {
-            ($rubbed:literal) => {
-                self.instructions.run(AccelerateRollers::<$rubbed> {
+            ($friction:literal) => {
+                self.instructions.run(AccelerateRollers::<$friction> {
                     arrays: &mut rollers.arrays,
                     overhang: self.candidates.overhang,
                     gravity: model.gravity.into(),
                     inverse_mass: 1.0 / of.mass,
                     inverse_inertia: 1.0 / of.inertia,
-                    accelerations,
+                    accelerations: of_bodies,
                 })
             };
         }
@@ -60,17 +60,21 @@ impl Kernels {
         }
         // Missing rollers of an open chain stay at rest.
         for k in model.absent_rollers() {
-            (rates[of.first + k], rates[of.first + n + k]) = (0.0, 0.0);
+            (accelerations[of.first + k], accelerations[of.first + n + k]) = (0.0, 0.0);
         }
     }
 
     /// Write the prescribed accelerations of the ends of an open chain; return the external power at the ends \[W\].
-    pub(super) fn move_ends(&self, ends: &OpenEnds, t: f64, rates: &mut [f64]) -> f64 {
+    pub(super) fn move_ends(&self, ends: &OpenEnds, t: f64, accelerations: &mut [f64]) -> f64 {
         let n = ends.links + 2;
         for end in &ends.bodies {
             if let Some(given) = end.given_acceleration(t) {
                 let i = end.body;
-                (rates[i], rates[n + i], rates[2 * n + i]) = (given.x, given.y, 0.0);
+                (
+                    accelerations[i],
+                    accelerations[n + i],
+                    accelerations[2 * n + i],
+                ) = (given.x, given.y, 0.0);
             }
         }
         ends.worked_in(self.on_ends(ends), t)
@@ -91,7 +95,7 @@ impl Kernels {
         model: &Model,
         pawls: &[f64],
         t: f64,
-        rates: &mut [f64],
+        accelerations: &mut [f64],
     ) {
         let moved = model.sprockets.iter().zip(&self.poses).zip(&self.loads);
         for (((sprocket, pose), load), &pawl) in moved.zip(pawls) {
@@ -107,12 +111,14 @@ impl Kernels {
                 Support::Fixed => {}
                 Support::Slide { index, .. } => {
                     let (_, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
-                    rates[index] = center.dot(&tangent);
+                    accelerations[index] = center.dot(&tangent);
                 }
-                Support::Floating { x, y } => (rates[x], rates[y]) = (center.x, center.y),
+                Support::Floating { x, y } => {
+                    (accelerations[x], accelerations[y]) = (center.x, center.y)
+                }
             }
             if let Rotation::Free { index, .. } = sprocket.rotation {
-                rates[index] = angle;
+                accelerations[index] = angle;
             }
         }
     }

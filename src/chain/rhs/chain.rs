@@ -18,8 +18,8 @@ use ends::{Arms, End, Links, behind_last, last_links};
 use hinges::Hinges;
 
 pub(crate) use hinges::Joints;
-pub(crate) use losses::{FilledHinges, HingeFriction};
-pub(crate) use rollers::{JoinRollers, Rollers};
+pub(crate) use losses::{HingeFriction, Lubricant};
+pub(crate) use rollers::{EvaluateRollers, Rollers};
 
 /// Results of the chain's loop besides its forces.
 #[derive(Debug, Clone, Copy, Default)]
@@ -32,19 +32,19 @@ pub(crate) struct ChainFound {
     /// Power dissipated by damping \[W\], if requested.
     pub(crate) dissipated: f64,
     /// Power dissipated by friction \[W\], if requested.
-    pub(crate) rubbed: f64,
+    pub(crate) friction_power: f64,
     /// Power dissipated by lubricant \[W\], if requested.
-    pub(crate) sheared: f64,
+    pub(crate) film_power: f64,
 }
 
-/// Kernel of the chain, one instance per contact law. `DAMPED`: with the damping factor; `RUBBED`: with friction; `BRISTLED`:
+/// Kernel of the chain, one instance per contact law. `DAMPED`: with the damping factor; `FRICTION`: with friction; `BRISTLED`:
 /// friction by bristles; `EXTRA`: with lubricant, elastic plates and friction, as far as the model has them; `ENERGY`: with the
 /// dissipated power.
-pub(crate) struct JoinChain<
+pub(crate) struct EvaluateHinges<
     'a,
     L,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
@@ -60,7 +60,7 @@ pub(crate) struct JoinChain<
     pub(crate) constants: &'a LinkConstants,
     pub(crate) arrays: &'a mut ChainArrays,
     /// Lubricant for `EXTRA`.
-    pub(crate) lubricant: Option<FilledHinges<'a>>,
+    pub(crate) lubricant: Option<Lubricant<'a>>,
     /// Compliance of the plates at each hinge \[m/N\].
     pub(crate) compliance: Option<&'a [f64]>,
 }
@@ -68,11 +68,11 @@ pub(crate) struct JoinChain<
 impl<
     L: ElasticLaw,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> WithSimd for JoinChain<'_, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
+> WithSimd for EvaluateHinges<'_, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>
 {
     type Output = ChainFound;
 
@@ -83,15 +83,16 @@ impl<
         let whole = blocks - 1;
         let splat = |value| Lanes::splat(simd, value);
         let arrays = self.arrays;
-        point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
-        point_sprockets::<S>(simd, arrays);
-        let (mut hinges, direction) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>::new(
-            simd,
-            self.hinges,
-            self.constants,
-            arrays,
-            blocks,
-        );
+        write_directions::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
+        write_sprocket_directions::<S>(simd, arrays);
+        let (mut hinges, direction) =
+            Hinges::<S, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>::new(
+                simd,
+                self.hinges,
+                self.constants,
+                arrays,
+                blocks,
+            );
         hinges.attach_optional_forces(self.lubricant, self.compliance);
         let [x, y, _] = self.places;
         let [vx, vy, spin] = self.speeds;
@@ -116,24 +117,24 @@ impl<
                 };
                 let [arm, cos, sin] = front_arms.at(simd, i + 1);
                 let next_rear = End::new(next, [-arm, cos, sin]);
-                hinges.join(i, &front, &End::moved_on(&rear, &next_rear, last_lane));
+                hinges.evaluate(i, &front, &End::moved_on(&rear, &next_rear, last_lane));
                 front = End::new(next, [arm, cos, sin]);
                 rear = next_rear;
             }
             let behind = behind_last(links, last, whole * S::F64_LANES);
             let rear = End::new(behind, rear_arms.at(simd, whole));
-            hinges.join(whole, &front, &rear);
+            hinges.evaluate(whole, &front, &rear);
         } else {
             let rears = Links::<S>::of(links, 1, whole);
             for i in 0..whole {
                 let front = End::new(fronts.at(simd, i), front_arms.at(simd, i));
                 let rear = End::new(rears.at(simd, i), rear_arms.at(simd, i));
-                hinges.join(i, &front, &rear);
+                hinges.evaluate(i, &front, &rear);
             }
             let front = End::new(last, front_arms.at(simd, whole));
             let behind = behind_last(links, last, whole * S::F64_LANES);
             let rear = End::new(behind, rear_arms.at(simd, whole));
-            hinges.join(whole, &front, &rear);
+            hinges.evaluate(whole, &front, &rear);
         }
 
         let found = hinges.found();
@@ -149,7 +150,7 @@ impl<
 
 /// Write cosines and sines of the links' angles; a copy of the first follows the last.
 #[inline(always)]
-fn point<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
+fn write_directions<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
     let n = angle.len();
     let (whole, rest) = S::as_simd_f64s(angle);
     let blocks = whole.len() + usize::from(!rest.is_empty());
@@ -170,7 +171,7 @@ fn point<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
 
 /// Write cosines and sines of the sprockets' angles.
 #[inline(always)]
-fn point_sprockets<S: Simd>(simd: S, arrays: &mut ChainArrays) {
+fn write_sprocket_directions<S: Simd>(simd: S, arrays: &mut ChainArrays) {
     let blocks = arrays.sprocket_angle.len() / S::F64_LANES;
     let angle = vectors::<S>(&arrays.sprocket_angle, blocks);
     let cos = vectors_mut::<S>(&mut arrays.sprocket_cos, blocks);

@@ -50,8 +50,8 @@ impl Kernels {
 
     /// Start or end an implicit step for bristles. With predicted deflections and γ, evaluations solve for the deflections; with
     /// `None` they use those of the state.
-    pub(crate) fn solve_for_bristles(&mut self, step: Option<(&[f64], f64)>) {
-        match (&mut self.bristles, step) {
+    pub(crate) fn set_bristle_stage(&mut self, stage: Option<(&[f64], f64)>) {
+        match (&mut self.bristles, stage) {
             (Some(bristles), Some((predicted, gamma))) => {
                 bristles.begin_implicit_stage(predicted, gamma);
             }

@@ -19,7 +19,7 @@ pub(crate) struct LinkConstants {
     /// Compliance of the plates at each hinge \[m/N\], where they are elastic.
     pub(crate) compliance: Option<Numbers>,
     /// One for every hinge, zero in the padding and where an open chain is open.
-    pub(crate) there: Numbers,
+    pub(crate) exists: Numbers,
     /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1. The array covers the chain twice.
     pub(crate) bushing_on_front: Numbers,
 }
@@ -56,7 +56,7 @@ impl LinkConstants {
             rear_arm: lay_out(n, &|i| -model.chain.arms[(i + 1) % n]),
             inverse_mass: lay_out(n, &|i| model.chain.inverse_mass[i]),
             inverse_inertia: lay_out(n, &|i| model.chain.inverse_inertia[i]),
-            there: lay_out(n, &|k| f64::from(!model.hinge_is_open(k))),
+            exists: lay_out(n, &|k| f64::from(!model.hinge_is_open(k))),
             bushing_on_front: lay_out(2 * n + WIDTH, &|k| f64::from(model.link_of_bushing(k) == k)),
         }
     }

@@ -4,11 +4,11 @@ use std::marker::PhantomData;
 
 use super::bristles::{BristleState, Bristling, ContactKind};
 use super::chain::{
-    ChainFound, FilledHinges, HingeFriction, JoinChain, JoinRollers, Joints, RepeatBushings,
+    ChainFound, EvaluateHinges, EvaluateRollers, HingeFriction, Joints, Lubricant, RepeatBushings,
 };
 use super::gap::{Form, ToothConstants};
 use super::slopes::Slopes;
-use super::teeth::{TeethFound, ToothFriction, TouchTeeth};
+use super::teeth::{EvaluateTeeth, TeethFound, ToothFriction};
 use super::{Kernels, on_teeth};
 use crate::chain::contact::ImpactMemory;
 use crate::chain::model::{Model, RollerModel};
@@ -37,11 +37,11 @@ fn bristling<'a>(
 
 impl Kernels {
     /// Evaluate the hinges with the loop instance for the options of `model`.
-    pub(super) fn join_chain<L: ElasticLaw, const ENERGY: bool>(
+    pub(super) fn evaluate_hinges<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
-        pair: [f64; 2],
+        law_constants: [f64; 2],
         y: &[f64],
     ) -> ChainFound {
         let law = &model.hinges.law;
@@ -51,7 +51,7 @@ impl Kernels {
         let (slopes, film_slopes) = slopes
             .map(|slopes| (&mut slopes.hinges, &mut slopes.films[..]))
             .unzip();
-        let lubricant = model.hinges.film.as_ref().map(|film| FilledHinges {
+        let lubricant = model.hinges.film.as_ref().map(|film| Lubricant {
             film,
             slopes: film_slopes,
         });
@@ -64,9 +64,9 @@ impl Kernels {
             (ContactKind::Hinges, model.hinges.bristles.as_ref()),
             model.hinges.pin_radius,
         );
-        let rubbed = friction.is_some();
+        let has_friction = friction.is_some();
         let hinges = Joints {
-            pair,
+            law_constants,
             clearance: model.hinges.clearance,
             lambda: law.lambda,
             floor: model.min_impact_velocity,
@@ -77,11 +77,11 @@ impl Kernels {
             bristles,
         };
         macro_rules! join {
-            ($damped:literal, $rubbed:literal, $bristled:literal, $extra:literal, $energy:expr) => {
-                self.instructions.run(JoinChain::<
+            ($damped:literal, $friction:literal, $bristled:literal, $extra:literal, $energy:expr) => {
+                self.instructions.run(EvaluateHinges::<
                     L,
                     $damped,
-                    $rubbed,
+                    $friction,
                     $bristled,
                     $extra,
                     { $energy },
@@ -103,7 +103,7 @@ impl Kernels {
             join!(true, true, true, true, true)
         } else if model.hinges.has_film_or_compliance() {
             join!(true, true, false, true, true)
-        } else if rubbed {
+        } else if has_friction {
             join!(true, true, false, false, true)
         } else if law.lambda > 0.0 {
             join!(true, false, false, false, ENERGY)
@@ -113,12 +113,12 @@ impl Kernels {
     }
 
     /// Evaluate the rollers on their bushings with the loop instance for the options of `model`.
-    pub(super) fn join_rollers<L: ElasticLaw, const ENERGY: bool>(
+    pub(super) fn evaluate_rollers<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
         of: &RollerModel,
         memory: &ImpactMemory,
-        pair: [f64; 2],
+        law_constants: [f64; 2],
         y: &[f64],
     ) -> ChainFound {
         let Some(rollers) = &mut self.rollers else {
@@ -138,9 +138,9 @@ impl Kernels {
             (ContactKind::Rollers, model.hinges.bristles.as_ref()),
             of.bushing_radius,
         );
-        let rubbed = friction.is_some();
+        let has_friction = friction.is_some();
         let bores = Joints {
-            pair,
+            law_constants,
             clearance: of.clearance,
             lambda: of.law.lambda,
             floor: model.min_impact_velocity,
@@ -151,23 +151,28 @@ impl Kernels {
             bristles,
         };
         macro_rules! join {
-            ($damped:literal, $rubbed:literal, $bristled:literal, $energy:expr) => {
-                self.instructions
-                    .run(JoinRollers::<L, $damped, $rubbed, $bristled, { $energy }> {
-                        law: PhantomData,
-                        bores,
-                        places: [&q[..n], &q[n..2 * n]],
-                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                        overhang: self.candidates.overhang,
-                        links: &self.links,
-                        chain: &mut self.chain,
-                        rollers,
-                    })
+            ($damped:literal, $friction:literal, $bristled:literal, $energy:expr) => {
+                self.instructions.run(EvaluateRollers::<
+                    L,
+                    $damped,
+                    $friction,
+                    $bristled,
+                    { $energy },
+                > {
+                    law: PhantomData,
+                    bores,
+                    places: [&q[..n], &q[n..2 * n]],
+                    speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                    overhang: self.candidates.overhang,
+                    links: &self.links,
+                    chain: &mut self.chain,
+                    rollers,
+                })
             };
         }
         if model.hinges.bristles.is_some() {
             join!(true, true, true, true)
-        } else if rubbed {
+        } else if has_friction {
             join!(true, true, false, true)
         } else if of.law.lambda > 0.0 {
             join!(true, false, false, ENERGY)
@@ -204,7 +209,7 @@ impl Kernels {
     }
 
     /// Evaluate the teeth of sprocket `s` with the loop instance for its tooth form and the options of `model`.
-    pub(super) fn touch_teeth<L: ElasticLaw, const ENERGY: bool>(
+    pub(super) fn evaluate_teeth<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
         s: usize,
@@ -231,24 +236,29 @@ impl Kernels {
         } = &self.teeth[self.kind[s]];
         let keeps_stiffness = *keeps_stiffness;
         macro_rules! touch {
-            ($constants:expr, $damped:literal, $rubbed:literal, $bristled:literal, $energy:expr) => {
-                self.instructions.run(
-                    TouchTeeth::<_, L, $damped, $rubbed, $bristled, { $energy }> {
-                        law: PhantomData,
-                        sprocket: &model.sprockets[s],
-                        constants: $constants,
-                        keeps_stiffness,
-                        pose: &self.poses[s],
-                        lambda: law.lambda,
-                        floor: model.min_impact_velocity,
-                        links,
-                        arrays,
-                        candidates: &mut self.candidates.sprockets[s],
-                        slopes,
-                        friction,
-                        bristles,
-                    },
-                )
+            ($constants:expr, $damped:literal, $friction:literal, $bristled:literal, $energy:expr) => {
+                self.instructions.run(EvaluateTeeth::<
+                    _,
+                    L,
+                    $damped,
+                    $friction,
+                    $bristled,
+                    { $energy },
+                > {
+                    law: PhantomData,
+                    sprocket: &model.sprockets[s],
+                    constants: $constants,
+                    keeps_stiffness,
+                    pose: &self.poses[s],
+                    lambda: law.lambda,
+                    floor: model.min_impact_velocity,
+                    links,
+                    arrays,
+                    candidates: &mut self.candidates.sprockets[s],
+                    slopes,
+                    friction,
+                    bristles,
+                })
             };
         }
         let bristled = model.teeth.bristles.is_some();

@@ -16,7 +16,7 @@ mod event_screening;
 pub(crate) mod gap;
 mod implicit;
 pub(crate) mod layout;
-mod loads;
+mod link_accelerations;
 mod loops;
 pub(crate) mod pose;
 mod readout;
@@ -118,7 +118,7 @@ impl Kernels {
         self.instructions
     }
 
-    /// Write the accelerations at (`t`, `y`) into `rates`, coordinate by coordinate; return the powers when an energy balance is
+    /// Write the accelerations at (`t`, `y`) into `accelerations`, coordinate by coordinate; return the powers when an energy balance is
     /// kept.
     pub(crate) fn accelerations<const ENERGY: bool>(
         &mut self,
@@ -126,10 +126,10 @@ impl Kernels {
         memory: &ImpactMemory,
         t: f64,
         y: &[f64],
-        rates: &mut [f64],
+        accelerations: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
-        self.accelerate_placed::<ENERGY>(model, memory, t, y, rates)
+        self.accelerate_placed::<ENERGY>(model, memory, t, y, accelerations)
     }
 
     /// Evaluate as [`Self::accelerations`] with sprockets that are positioned already.
@@ -139,18 +139,25 @@ impl Kernels {
         memory: &ImpactMemory,
         t: f64,
         y: &[f64],
-        rates: &mut [f64],
+        accelerations: &mut [f64],
     ) -> Powers {
-        let (moved_squared, mut losses) = self.join::<ENERGY>(model, memory, y, rates);
-        self.touch::<ENERGY>(model, memory, (y, moved_squared), rates, &mut losses);
-        self.put_bristles(model, rates);
-        self.accelerate_links(model, rates);
-        self.accelerate_rollers(model, rates);
+        let (moved_squared, mut losses) =
+            self.evaluate_joints::<ENERGY>(model, memory, y, accelerations);
+        self.evaluate_all_teeth::<ENERGY>(
+            model,
+            memory,
+            (y, moved_squared),
+            accelerations,
+            &mut losses,
+        );
+        self.put_bristles(model, accelerations);
+        self.accelerate_links(model, accelerations);
+        self.accelerate_rollers(model, accelerations);
         let moved = model
             .ends
             .as_ref()
-            .map_or(0.0, |ends| self.move_ends(ends, t, rates));
-        self.accelerate_sprockets(model, &memory.pawls, t, rates);
+            .map_or(0.0, |ends| self.move_ends(ends, t, accelerations));
+        self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
         let mut powers = Powers::of(losses);
         if ENERGY {
             powers.worked_in += moved;
@@ -163,15 +170,15 @@ impl Kernels {
     }
 
     /// Evaluate hinges and rollers at `y`; return the largest squared distance of the bodies on the teeth from their references
-    /// \[m²\], and the losses.
-    fn join<const ENERGY: bool>(
+    /// \[m²\], and the losses. `bristle_rates` is the array of all accelerations, of which only the rates of the bristles are written.
+    fn evaluate_joints<const ENERGY: bool>(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
         y: &[f64],
-        rates: &mut [f64],
+        bristle_rates: &mut [f64],
     ) -> (f64, Losses) {
-        self.take_bristles(model, y, rates);
+        self.take_bristles(model, y, bristle_rates);
         if model.has_moments() {
             self.chain.clear_moments();
             if let Some(rollers) = &mut self.rollers {
@@ -179,7 +186,7 @@ impl Kernels {
             }
         }
         let chain = with_law!(&model.hinges.law.pairs, Law, pairs => {
-            self.join_chain::<Law, ENERGY>(model, memory, pairs[0], y)
+            self.evaluate_hinges::<Law, ENERGY>(model, memory, pairs[0], y)
         });
         if let Some(ends) = &model.ends {
             self.chain.forget_open_hinges(ends);
@@ -193,7 +200,7 @@ impl Kernels {
                 self.chain.spin_bushings(&self.links, spins, 0);
             }
             with_law!(&of.law.pairs, Law, pairs => {
-                self.join_rollers::<Law, ENERGY>(model, of, memory, pairs[0], y)
+                self.evaluate_rollers::<Law, ENERGY>(model, of, memory, pairs[0], y)
             })
         });
         if let (Some(rollers), Some(_)) = (&mut self.rollers, &model.ends) {
@@ -203,24 +210,24 @@ impl Kernels {
         self.changed = [chain.changed, rollers_changed, false];
         let losses = Losses {
             hinge_contact: chain.dissipated,
-            hinge_friction: chain.rubbed,
+            hinge_friction: chain.friction_power,
             roller_contact: rolling.map_or(0.0, |found| found.dissipated),
-            roller_friction: rolling.map_or(0.0, |found| found.rubbed),
-            hinge_film: chain.sheared,
+            roller_friction: rolling.map_or(0.0, |found| found.friction_power),
+            hinge_film: chain.film_power,
             ..Losses::default()
         };
         let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
         (moved_squared, losses)
     }
 
-    /// Evaluate the teeth at `y`, after hinges and rollers, with the squared distance that [`Self::join`] returns; add the losses
+    /// Evaluate the teeth at `y`, after hinges and rollers, with the squared distance that [`Self::evaluate_joints`] returns; add the losses
     /// of the teeth.
-    fn touch<const ENERGY: bool>(
+    fn evaluate_all_teeth<const ENERGY: bool>(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
         (y, moved_squared): (&[f64], f64),
-        rates: &mut [f64],
+        bristle_rates: &mut [f64],
         losses: &mut Losses,
     ) {
         self.choose_candidates(model, memory, moved_squared);
@@ -238,12 +245,12 @@ impl Kernels {
         for s in 0..model.sprockets.len() {
             self.take_tooth_bristles(model, s, y);
             let teeth = with_law!(&model.teeth.law.pairs, Law, _pairs => {
-                self.touch_teeth::<Law, ENERGY>(model, s)
+                self.evaluate_teeth::<Law, ENERGY>(model, s)
             });
-            self.put_tooth_bristles(model, s, rates);
+            self.put_tooth_bristles(model, s, bristle_rates);
             self.changed[ContactKind::Teeth as usize] |= teeth.changed;
             losses.tooth_contact += teeth.dissipated;
-            losses.tooth_friction += teeth.rubbed;
+            losses.tooth_friction += teeth.friction_power;
             self.loads[s] = SprocketLoad {
                 force: Vec2::new(teeth.force[0], teeth.force[1]),
                 moment: teeth.moment,

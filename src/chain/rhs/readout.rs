@@ -132,9 +132,9 @@ impl Kernels {
         teeth: bool,
     ) {
         self.place_sprockets_as(model, motion);
-        let (moved_squared, mut losses) = self.join::<false>(model, memory, y, rates);
+        let (moved_squared, mut losses) = self.evaluate_joints::<false>(model, memory, y, rates);
         if teeth {
-            self.touch::<false>(model, memory, (y, moved_squared), rates, &mut losses);
+            self.evaluate_all_teeth::<false>(model, memory, (y, moved_squared), rates, &mut losses);
         }
         self.put_bristles(model, rates);
     }

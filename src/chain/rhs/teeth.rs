@@ -32,7 +32,7 @@ pub(crate) struct TeethFound {
     /// Power dissipated by damping \[W\], if requested.
     pub(crate) dissipated: f64,
     /// Power dissipated by friction \[W\], if requested.
-    pub(crate) rubbed: f64,
+    pub(crate) friction_power: f64,
 }
 
 /// Friction on teeth.
@@ -42,13 +42,13 @@ pub(crate) struct ToothFriction<'a> {
     pub(crate) bushing_radius: f64,
 }
 
-/// Kernel of the candidates of one sprocket, one instance per contact law; constant parameters as of `JoinChain`.
-pub(crate) struct TouchTeeth<
+/// Kernel of the candidates of one sprocket, one instance per contact law; constant parameters as of `EvaluateHinges`.
+pub(crate) struct EvaluateTeeth<
     'a,
     C,
     L,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const ENERGY: bool,
 > {
@@ -65,7 +65,7 @@ pub(crate) struct TouchTeeth<
     pub(crate) candidates: &'a mut SprocketCandidates,
     /// Output for the slopes of the forces and of friction, slot by slot, if requested.
     pub(crate) slopes: Option<&'a mut ContactSlopes>,
-    /// Friction for `RUBBED`.
+    /// Friction for `FRICTION`.
     pub(crate) friction: Option<ToothFriction<'a>>,
     /// Bristles for `BRISTLED`, slot by slot.
     pub(crate) bristles: Option<Bristling<'a>>,
@@ -75,17 +75,17 @@ impl<
     C: GapConstants,
     L: ElasticLaw,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const ENERGY: bool,
-> WithSimd for TouchTeeth<'_, C, L, DAMPED, RUBBED, BRISTLED, ENERGY>
+> WithSimd for EvaluateTeeth<'_, C, L, DAMPED, FRICTION, BRISTLED, ENERGY>
 {
     type Output = TeethFound;
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
-        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, RUBBED, BRISTLED, ENERGY> {
+        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, FRICTION, BRISTLED, ENERGY> {
             law: PhantomData,
             gap: self.constants.gap(simd),
             center: splat_two(simd, self.pose.center),
@@ -99,10 +99,10 @@ impl<
             keeps_stiffness: self.keeps_stiffness,
             changed: false,
             sums: [PartialSums::default(); 4],
-            rubbed: PartialSums::default(),
+            friction_power: PartialSums::default(),
             rubbing: None,
         };
-        if RUBBED
+        if FRICTION
             && !BRISTLED
             && let Some(friction) = &self.friction
         {
@@ -113,7 +113,7 @@ impl<
         }
         for number in 0..self.candidates.runs.len() {
             let Run { length, slot, .. } = self.candidates.runs[number];
-            let mut run = RunOfBushings::<S>::of::<RUBBED>(
+            let mut run = RunOfBushings::<S>::of::<FRICTION>(
                 number,
                 self.links,
                 &mut *self.arrays,
@@ -121,7 +121,7 @@ impl<
                 self.slopes.as_deref_mut(),
             );
             if BRISTLED && let Some(bristles) = &mut self.bristles {
-                run.rubbed.bristles = Some(bristles.lanes(simd, slot, run.depth.len()));
+                run.friction_arrays.bristles = Some(bristles.lanes(simd, slot, run.depth.len()));
             }
             for b in 0..run.depth.len() {
                 let from = b * S::F64_LANES;
@@ -143,7 +143,7 @@ impl<
             moment: moment.total(),
             changed: teeth.changed,
             dissipated: dissipated.total(),
-            rubbed: teeth.lost_to_friction(),
+            friction_power: teeth.lost_to_friction(),
         }
     }
 }
@@ -154,7 +154,7 @@ struct Teeth<
     G,
     L,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const ENERGY: bool,
 > {
@@ -170,8 +170,8 @@ struct Teeth<
     /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
     sums: [PartialSums; 4],
     /// Power dissipated by friction \[W\].
-    rubbed: PartialSums,
-    /// Friction and the bushings' radius; `Some` for `RUBBED` without bristles.
+    friction_power: PartialSums,
+    /// Friction and the bushings' radius; `Some` for `FRICTION` without bristles.
     rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
 }
 
@@ -180,16 +180,16 @@ impl<
     G: Gap<S>,
     L: ElasticLaw,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const ENERGY: bool,
-> Teeth<S, G, L, DAMPED, RUBBED, BRISTLED, ENERGY>
+> Teeth<S, G, L, DAMPED, FRICTION, BRISTLED, ENERGY>
 {
     /// Return the power dissipated by friction \[W\], if requested.
     #[inline(always)]
     fn lost_to_friction(&self) -> f64 {
-        if RUBBED && ENERGY {
-            self.rubbed.total()
+        if FRICTION && ENERGY {
+            self.friction_power.total()
         } else {
             0.0
         }
@@ -239,14 +239,14 @@ impl<
                 let (group, part) = group_of::<S, _>(slopes, b);
                 group.put(part, [zero; 6]);
             }
-            if RUBBED {
-                run.rubbed.friction[b] = zero.values();
-                if let Some(slopes) = &mut run.rubbed.slopes {
+            if FRICTION {
+                run.friction_arrays.friction[b] = zero.values();
+                if let Some(slopes) = &mut run.friction_arrays.slopes {
                     let (group, part) = group_of::<S, _>(slopes, b);
                     group.slope.put(part, zero);
                 }
             }
-            if BRISTLED && let Some(bristles) = &mut run.rubbed.bristles {
+            if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
                 bristles.rest(b);
             }
             self.changed |= remembered.any();
@@ -257,12 +257,12 @@ impl<
         let touching = depth.exceeds(zero);
         self.changed |= touching.differs(remembered).any();
 
-        let mut pair = self.gap.law_constants(&surface);
+        let mut law_constants = self.gap.law_constants(&surface);
         if self.keeps_stiffness {
-            pair[0] = remembered.select(at(run.kept_constants[0]), pair[0]);
-            pair[1] = remembered.select(at(run.kept_constants[1]), pair[1]);
+            law_constants[0] = remembered.select(at(run.kept_constants[0]), law_constants[0]);
+            law_constants[1] = remembered.select(at(run.kept_constants[1]), law_constants[1]);
         }
-        let elastic = L::elastic(pair, depth);
+        let elastic = L::elastic(law_constants, depth);
         let mut across = zero;
         let contact = if DAMPED {
             // Every surface is fixed in the sprocket. The velocity of the sprocket's point at the bushing's centre gives the
@@ -273,7 +273,7 @@ impl<
             let vy = self
                 .spin
                 .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
-            if RUBBED {
+            if FRICTION {
                 across = nx.mul_add(vy, -(ny * vx));
             }
             let rate = nx.mul_add(vx, ny * vy);
@@ -292,7 +292,7 @@ impl<
             self.sums[3].add(b, contact.power());
         }
         if let Some(slopes) = &mut run.slopes {
-            let [stiffness, damping] = contact.slopes(L::slope(pair, depth, elastic));
+            let [stiffness, damping] = contact.slopes(L::slope(law_constants, depth, elastic));
             let (group, part) = group_of::<S, _>(slopes, b);
             group.put(part, [nx, ny, force, stiffness, damping, curvature]);
         }
@@ -315,17 +315,17 @@ impl<
         let zero = force.constant(0.0);
         let (mut push_x, mut push_y) = (force * nx, force * ny);
         let mut spun = zero;
-        if RUBBED {
-            let rub;
-            [rub, spun] = self.slide(b, force, across, run);
-            push_x = push_x - rub * ny;
-            push_y = rub.mul_add(nx, push_y);
+        if FRICTION {
+            let friction;
+            [friction, spun] = self.slide(b, force, across, run);
+            push_x = push_x - friction * ny;
+            push_y = friction.mul_add(nx, push_y);
         }
         self.sums[0].add(b, push_x);
         self.sums[1].add(b, push_y);
         // Moment about the sprocket's centre: arm × force.
         let mut moment = arm_x.mul_add(push_y, -(arm_y * push_x));
-        if RUBBED {
+        if FRICTION {
             moment = moment + spun;
         }
         self.sums[2].add(b, moment);
@@ -350,7 +350,7 @@ impl<
         let simd = force.simd();
         let zero = force.constant(0.0);
         let radius = if BRISTLED {
-            let bristles = run.rubbed.bristles.as_ref();
+            let bristles = run.friction_arrays.bristles.as_ref();
             bristles.map(|bristles| bristles.radius)
         } else {
             self.rubbing.map(|(_, radius)| radius)
@@ -359,30 +359,31 @@ impl<
             return [zero; 2];
         };
         // The contact point is the bushing's outermost point: sliding velocity = across + radius (ω_bushing - ω_sprocket).
-        let spin = load(simd, &run.rubbed.spin[b]);
+        let spin = load(simd, &run.friction_arrays.spin[b]);
         let slip = radius.mul_add(spin - self.spin, across);
-        let [rub, slope] = if BRISTLED && let Some(bristles) = &mut run.rubbed.bristles {
-            let touching = load(simd, &run.depth[b]).exceeds(zero);
-            bristles.bend(b, touching, force, slip)
-        } else if let Some((friction, _)) = &self.rubbing {
-            friction.force(force, slip)
-        } else {
-            [zero; 2]
-        };
+        let [friction, slope] =
+            if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
+                let touching = load(simd, &run.depth[b]).exceeds(zero);
+                bristles.bend(b, touching, force, slip)
+            } else if let Some((friction, _)) = &self.rubbing {
+                friction.force(force, slip)
+            } else {
+                [zero; 2]
+            };
         if ENERGY {
-            self.rubbed.add(b, rub * slip);
+            self.friction_power.add(b, friction * slip);
         }
-        run.rubbed.friction[b] = rub.values();
-        if let Some(slopes) = &mut run.rubbed.slopes {
+        run.friction_arrays.friction[b] = friction.values();
+        if let Some(slopes) = &mut run.friction_arrays.slopes {
             let (group, part) = group_of::<S, _>(slopes, b);
             group.slope.put(part, slope);
         }
-        let moment = radius * rub;
+        let moment = radius * friction;
         let on_front = load(simd, &run.on_front[b]).greater(zero);
         let front = on_front.select(moment, zero);
-        let [fronts, rears] = &mut run.rubbed.moments;
+        let [fronts, rears] = &mut run.friction_arrays.moments;
         fronts[b] = (load(simd, &fronts[b]) - front).values();
         rears[b] = (load(simd, &rears[b]) - (moment - front)).values();
-        [rub, moment]
+        [friction, moment]
     }
 }

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::super::blocks::{Block, Pair, Symmetric, from_left, from_right};
+use super::super::blocks::{Block, Symmetric, Vector, from_left, from_right};
 use super::super::contacts::BASE;
 use super::super::dense::Dense;
 use super::{Ring, gather};
@@ -83,15 +83,15 @@ impl Ring {
     #[inline(always)]
     fn solve_places<S: Simd>(&mut self, simd: S) {
         let last = self.count - 1;
-        let mut to_last = [Pair::zero(simd); WIDTH];
-        let mut unknowns = [Pair::zero(simd); WIDTH];
+        let mut to_last = [Vector::zero(simd); WIDTH];
+        let mut unknowns = [Vector::zero(simd); WIDTH];
         for part in parts::<S>() {
             // Forward elimination of the parts.
-            let mut right = Pair::read(simd, &self.unknowns[0], part);
+            let mut right = Vector::read(simd, &self.unknowns[0], part);
             for j in 0..last {
                 let place = &self.places[j];
                 to_last[part].add(&Block::read(simd, &place.before, part).transposed_of(&right));
-                let next = Pair::read(simd, &self.unknowns[j + 1], part);
+                let next = Vector::read(simd, &self.unknowns[j + 1], part);
                 right = Block::read(simd, &place.next, part).transposed_less(&next, &right);
                 write(&mut self.unknowns[j + 1], part, right.0);
             }
@@ -123,7 +123,7 @@ impl Ring {
             write(&mut self.unknowns[last], part, next.0);
             for j in (0..last).rev() {
                 let place = &self.places[j];
-                let right = Pair::read(simd, &self.unknowns[j], part);
+                let right = Vector::read(simd, &self.unknowns[j], part);
                 let own = Symmetric::read(simd, &place.own, part).of(&right);
                 let own = Block::read(simd, &place.before, part).less(&own, &before[part]);
                 next = Block::read(simd, &place.next, part).less(&own, &next);

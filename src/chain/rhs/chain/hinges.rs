@@ -7,7 +7,7 @@ use pulp::Simd;
 
 use super::ChainFound;
 use super::ends::End;
-use super::losses::{FilledHinges, HingeFriction};
+use super::losses::{HingeFriction, Lubricant};
 use crate::chain::rhs::bristles::{BristleLanes, Bristling};
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::rhs::slopes::{ContactSlopes, FilmGroup, FrictionGroup, SlopeGroup, group_of};
@@ -20,10 +20,11 @@ use crate::math::simd::{
 
 /// Input for all hinges of one loop.
 pub(crate) struct Joints<'a> {
-    /// Constants of the contact law.
-    pub(crate) pair: [f64; 2],
+    /// Constants of the elastic law.
+    pub(crate) law_constants: [f64; 2],
     /// Radial clearance \[m\].
     pub(crate) clearance: f64,
+    /// λ of the damping factor 1 + λ δ'/δ'₀; zero without damping.
     pub(crate) lambda: f64,
     /// Minimum impact velocity \[m/s\].
     pub(crate) floor: f64,
@@ -33,7 +34,7 @@ pub(crate) struct Joints<'a> {
     pub(crate) reference: &'a [Numbers; 2],
     /// Output for the slopes of the forces and of friction, if requested.
     pub(crate) slopes: Option<&'a mut ContactSlopes>,
-    /// Friction for `RUBBED`; for rollers, the bushings are the pins.
+    /// Friction for `FRICTION`; for rollers, the bushings are the pins.
     pub(crate) friction: Option<HingeFriction<'a>>,
     /// Bristles for `BRISTLED`.
     pub(crate) bristles: Option<Bristling<'a>>,
@@ -45,24 +46,30 @@ pub(super) struct Hinges<
     S: Simd,
     L,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
 > {
     law: PhantomData<L>,
-    pair: [Lanes<S>; 2],
+    law_constants: [Lanes<S>; 2],
     pub(super) clearance: Lanes<S>,
     damping: RestitutionDamping<Lanes<S>>,
     /// Squared radial clearance \[m²\]; infinite where an open chain is open.
     clearance_squared: &'a [S::f64s],
-    onset: &'a [S::f64s],
+    /// 1/δ'₀ \[s/m\]; zero without memory.
+    inverse_impact_velocity: &'a [S::f64s],
+    /// One where the bushing is on the front of its link, else zero.
     pub(super) on_front: &'a [S::f64s],
-    pub(super) there: &'a [S::f64s],
+    /// One for every hinge, zero in the padding and where an open chain is open.
+    pub(super) exists: &'a [S::f64s],
+    /// Centres of the bushings at the last refresh of the candidates \[m\].
     reference: [&'a [S::f64s]; 2],
+    /// Penetration \[m\].
     pub(super) depth: &'a mut [S::f64s],
+    /// Normal force \[N\].
     force: &'a mut [S::f64s],
-    /// Friction \[N\]; empty without `RUBBED`.
+    /// Friction \[N\]; empty without `FRICTION`.
     pub(super) friction: &'a mut [S::f64s],
     /// Force of lubricant on the front ends \[N\]; empty without `EXTRA`.
     pub(super) film_force: [&'a mut [S::f64s]; 2],
@@ -74,19 +81,20 @@ pub(super) struct Hinges<
     bushing_velocity: [&'a mut [S::f64s]; 2],
     pub(super) moved_squared: Lanes<S>,
     pub(super) changed: bool,
+    /// Power dissipated by damping \[W\].
     pub(super) power: PartialSums,
     /// Power dissipated by friction \[W\].
-    pub(super) rubbed: PartialSums,
+    pub(super) friction_power: PartialSums,
     slopes: Option<&'a mut [SlopeGroup]>,
     pub(super) friction_slopes: Option<&'a mut [FrictionGroup]>,
-    /// Friction and the pins' radius; `Some` for `RUBBED` without bristles.
+    /// Friction and the pins' radius; `Some` for `FRICTION` without bristles.
     pub(super) rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
     /// `Some` for `BRISTLED`.
     pub(super) bristles: Option<BristleLanes<'a, S>>,
     /// Moments on fronts and rears \[N m\].
     pub(super) moments: [&'a mut [S::f64s]; 2],
     /// Power dissipated by lubricant \[W\].
-    pub(super) sheared: PartialSums,
+    pub(super) film_power: PartialSums,
     pub(super) film_slopes: Option<&'a mut [FilmGroup]>,
     /// `Some` for `EXTRA` with lubricant.
     pub(super) film: Option<FilmLaw<Lanes<S>>>,
@@ -99,11 +107,11 @@ impl<
     S: Simd,
     L: ElasticLaw,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
+> Hinges<'a, S, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>
 {
     /// Return the hinges of these joints, and cosines and sines of the links, which are borrowed apart from the other arrays.
     /// [`Self::attach_optional_forces`] adds lubricant and elastic plates.
@@ -119,16 +127,16 @@ impl<
         let (slopes, friction_slopes) = joints.slopes.map(|slopes| slopes.at_slot(0)).unzip();
         let mut hinges = Self {
             law: PhantomData,
-            pair: splat_two(simd, joints.pair),
+            law_constants: splat_two(simd, joints.law_constants),
             clearance: splat(joints.clearance),
             damping: RestitutionDamping {
                 lambda: splat(joints.lambda),
                 floor: splat(joints.floor),
             },
             clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
-            onset: vectors::<S>(joints.inverse_impact_velocity, blocks),
+            inverse_impact_velocity: vectors::<S>(joints.inverse_impact_velocity, blocks),
             on_front: vectors::<S>(&constants.bushing_on_front, blocks),
-            there: vectors::<S>(&constants.there, blocks),
+            exists: vectors::<S>(&constants.exists, blocks),
             reference: both::<S>(joints.reference, 0, blocks),
             depth: vectors_mut::<S>(&mut arrays.depth, blocks),
             force: vectors_mut::<S>(&mut arrays.force, blocks),
@@ -144,12 +152,12 @@ impl<
             moved_squared: splat(0.0),
             changed: false,
             power: PartialSums::default(),
-            rubbed: PartialSums::default(),
+            friction_power: PartialSums::default(),
             slopes,
             friction_slopes: None,
             rubbing: None,
             bristles: None,
-            sheared: PartialSums::default(),
+            film_power: PartialSums::default(),
             film_slopes: None,
             film: None,
             compliance: None,
@@ -157,7 +165,7 @@ impl<
         if EXTRA {
             hinges.film_force = both_mut::<S>(&mut arrays.film, 0, blocks);
         }
-        if RUBBED {
+        if FRICTION {
             hinges.friction = vectors_mut::<S>(&mut arrays.friction, blocks);
             hinges.moments = [
                 vectors_mut::<S>(&mut arrays.front_moment, blocks),
@@ -167,7 +175,7 @@ impl<
         if BRISTLED && let Some(bristles) = joints.bristles {
             hinges.friction_slopes = friction_slopes;
             hinges.bristles = Some(bristles.into_lanes(simd, blocks));
-        } else if RUBBED && let Some(friction) = joints.friction {
+        } else if FRICTION && let Some(friction) = joints.friction {
             hinges.friction_slopes = friction_slopes;
             hinges.rubbing = Some((
                 RegularizedFriction::new(simd, friction.law),
@@ -181,12 +189,12 @@ impl<
     #[inline(always)]
     pub(super) fn attach_optional_forces(
         &mut self,
-        lubricant: Option<FilledHinges<'a>>,
+        lubricant: Option<Lubricant<'a>>,
         compliance: Option<&'a [f64]>,
     ) {
         let simd = self.clearance.simd();
         if EXTRA && let Some(compliance) = compliance {
-            self.compliance = Some(vectors::<S>(compliance, self.onset.len()));
+            self.compliance = Some(vectors::<S>(compliance, self.inverse_impact_velocity.len()));
         }
         if EXTRA && let Some(lubricant) = lubricant {
             self.film = Some(FilmLaw::new(simd, lubricant.film));
@@ -201,42 +209,43 @@ impl<
             moved_squared: self.moved_squared.greatest(),
             changed: self.changed,
             dissipated: self.power.total(),
-            rubbed: self.lost_to_friction(),
-            sheared: self.lost_to_lubricant(),
+            friction_power: self.lost_to_friction(),
+            film_power: self.lost_to_lubricant(),
         }
     }
 
     /// Evaluate one vector of hinges; return whether contact is possible in any of them.
     #[inline(always)]
-    pub(super) fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) -> bool {
+    pub(super) fn evaluate(&mut self, i: usize, front: &End<S>, rear: &End<S>) -> bool {
         let simd = self.clearance.simd();
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         self.place_bushings(i, front, rear);
-        // Eccentricity e from the rear end of link k + 1 to the front end of link k; contact for |e| > clearance.
+        // Offset e of the front end of link k from the rear end of link k + 1; contact for |e| > clearance. It is plus or minus the
+        // eccentricity of the pin; δ, δ' and the forces on the two ends are the same for both signs.
         let (ex, ey) = (front.x - rear.x, front.y - rear.y);
         let distance_squared = ex.mul_add(ex, ey * ey);
         let velocity = [front.vx - rear.vx, front.vy - rear.vy];
         self.distance_squared[i] = distance_squared.values();
         self.along[i] = ex.mul_add(velocity[0], ey * velocity[1]).values();
         let near = distance_squared.exceeds(load(simd, &self.clearance_squared[i]));
-        let inverse_impact_velocity = load(simd, &self.onset[i]);
-        let remembered = inverse_impact_velocity.greater(zero);
+        let inverse_impact_velocity = load(simd, &self.inverse_impact_velocity[i]);
+        let has_memory = inverse_impact_velocity.greater(zero);
         if !near.any() {
             self.put(i, [zero; 4]);
             if EXTRA {
-                self.fill(i, [front, rear], [ex, ey], velocity, distance_squared);
+                self.add_film(i, [front, rear], [ex, ey], velocity, distance_squared);
             }
             if let Some(slopes) = &mut self.slopes {
                 let (group, part) = group_of::<S, _>(slopes, i);
                 group.put(part, [zero; 6]);
             }
-            if RUBBED {
+            if FRICTION {
                 self.put_no_friction(i);
             }
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 bristles.rest(i);
             }
-            self.changed |= remembered.any();
+            self.changed |= has_memory.any();
             return false;
         }
         let distance = distance_squared.sqrt();
@@ -244,14 +253,17 @@ impl<
         let depth = near.select((distance - self.clearance).positive_part(), zero);
         let (nx, ny) = (ex * inverse_distance, ey * inverse_distance);
         let touching = depth.exceeds(zero);
-        self.changed |= touching.differs(remembered).any();
-        let mut pressed = depth;
+        // A contact without memory begins in this step, a memory without contact ends: finish_step looks for the event. Forces of this
+        // step use the present rate (ContactLane::damped).
+        self.changed |= touching.differs(has_memory).any();
+        let mut contact_depth = depth;
         // Contact and plates in series: the contact's own penetration.
         if EXTRA && let Some(compliance) = self.compliance {
             let compliance = load(simd, &compliance[i]);
-            pressed = depth_in_series::<_, L>(self.pair, compliance, depth);
+            contact_depth = depth_in_series::<_, L>(self.law_constants, compliance, depth);
         }
-        let elastic = L::elastic(self.pair, pressed);
+        let elastic = L::elastic(self.law_constants, contact_depth);
+        // f = f_e(δ) max(0, 1 + λ δ'/δ'₀).
         let contact = if DAMPED {
             let rate = nx.mul_add(velocity[0], ny * velocity[1]);
             ContactLane::damped(
@@ -269,7 +281,7 @@ impl<
             self.power.add(i, contact.power());
         }
         if let Some(slopes) = &mut self.slopes {
-            let alone = L::slope(self.pair, pressed, elastic);
+            let alone = L::slope(self.law_constants, contact_depth, elastic);
             let [mut stiffness, damping] = contact.slopes(alone);
             if EXTRA && let Some(compliance) = self.compliance {
                 // Series of stiffness k and compliance c: k/(1 + c k).
@@ -279,12 +291,12 @@ impl<
             group.put(part, [nx, ny, force, stiffness, damping, inverse_distance]);
         }
         let mut pull = [force * nx, force * ny];
-        if RUBBED {
+        if FRICTION {
             pull = self.add_friction(i, [front, rear], ([nx, ny], depth), velocity, force);
         }
         self.put(i, [depth, force, pull[0], pull[1]]);
         if EXTRA {
-            self.fill(i, [front, rear], [ex, ey], velocity, distance_squared);
+            self.add_film(i, [front, rear], [ex, ey], velocity, distance_squared);
         }
         true
     }

@@ -16,7 +16,7 @@ pub(crate) struct HingeFriction<'a> {
 }
 
 /// Lubricant in hinges.
-pub(crate) struct FilledHinges<'a> {
+pub(crate) struct Lubricant<'a> {
     pub(crate) film: &'a HingeFilm,
     /// Output for its slopes, if requested.
     pub(crate) slopes: Option<&'a mut [FilmGroup]>,
@@ -26,17 +26,17 @@ impl<
     S: Simd,
     L: ElasticLaw,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> Hinges<'_, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
+> Hinges<'_, S, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>
 {
     /// Return the power dissipated by friction \[W\], if requested.
     #[inline(always)]
     pub(super) fn lost_to_friction(&self) -> f64 {
-        if RUBBED && ENERGY {
-            self.rubbed.total()
+        if FRICTION && ENERGY {
+            self.friction_power.total()
         } else {
             0.0
         }
@@ -46,7 +46,7 @@ impl<
     #[inline(always)]
     pub(super) fn lost_to_lubricant(&self) -> f64 {
         if EXTRA && ENERGY {
-            self.sheared.total()
+            self.film_power.total()
         } else {
             0.0
         }
@@ -54,7 +54,7 @@ impl<
 
     /// Add the film to the forces and moments of these hinges.
     #[inline(always)]
-    pub(super) fn fill(
+    pub(super) fn add_film(
         &mut self,
         i: usize,
         [front, rear]: [&End<S>; 2],
@@ -80,8 +80,8 @@ impl<
         let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
         let across = mean_spin.negate_mul_add(distance, across);
         let turning = rear.spin - front.spin;
-        let there = load(simd, &self.there[i]);
-        let filled = film.at(distance, [along, across], there);
+        let exists = load(simd, &self.exists[i]);
+        let filled = film.at(distance, [along, across], exists);
         let FilmForce {
             force: [push, drag],
             shear,
@@ -89,8 +89,9 @@ impl<
         let shear = shear * turning;
         if ENERGY {
             // Dissipated power: S Δω² - F · v.
-            let pressed = push.mul_add(along, drag * across);
-            self.sheared.add(i, shear.mul_add(turning, -pressed));
+            let film_on_eccentricity = push.mul_add(along, drag * across);
+            self.film_power
+                .add(i, shear.mul_add(turning, -film_on_eccentricity));
         }
         let force = [push.mul_add(nx, -(drag * ny)), push.mul_add(ny, drag * nx)];
         for (axis, force) in force.into_iter().enumerate() {
@@ -145,7 +146,7 @@ impl<
         let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
         let turning = from_front.mul_add(front.spin, -(from_rear * rear.spin));
         let slip = across + turning;
-        let [rub, slope] = if BRISTLED && let Some(bristles) = &mut self.bristles {
+        let [friction, slope] = if BRISTLED && let Some(bristles) = &mut self.bristles {
             bristles.bend(i, depth.exceeds(zero), force, slip)
         } else if let Some((friction, _)) = &self.rubbing {
             friction.force(force, slip)
@@ -153,17 +154,20 @@ impl<
             [zero; 2]
         };
         if ENERGY {
-            self.rubbed.add(i, rub * slip);
+            self.friction_power.add(i, friction * slip);
         }
-        self.friction[i] = rub.values();
-        self.moments[0][i] = (-(from_front * rub)).values();
-        self.moments[1][i] = (from_rear * rub).values();
+        self.friction[i] = friction.values();
+        self.moments[0][i] = (-(from_front * friction)).values();
+        self.moments[1][i] = (from_rear * friction).values();
         if let Some(slopes) = &mut self.friction_slopes {
             let (group, part) = group_of::<S, _>(slopes, i);
             group.slope.put(part, slope);
             group.places[0].put(part, from_front);
             group.places[1].put(part, from_rear);
         }
-        [force.mul_add(nx, -(rub * ny)), force.mul_add(ny, rub * nx)]
+        [
+            force.mul_add(nx, -(friction * ny)),
+            force.mul_add(ny, friction * nx),
+        ]
     }
 }

@@ -47,12 +47,12 @@ impl Rollers {
     }
 }
 
-/// Kernel of the rollers, one instance per contact law; parameters as of `JoinChain`.
-pub(crate) struct JoinRollers<
+/// Kernel of the rollers, one instance per contact law; parameters as of `EvaluateHinges`.
+pub(crate) struct EvaluateRollers<
     'a,
     L,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const ENERGY: bool,
 > {
@@ -73,10 +73,10 @@ pub(crate) struct JoinRollers<
 impl<
     L: ElasticLaw,
     const DAMPED: bool,
-    const RUBBED: bool,
+    const FRICTION: bool,
     const BRISTLED: bool,
     const ENERGY: bool,
-> WithSimd for JoinRollers<'_, L, DAMPED, RUBBED, BRISTLED, ENERGY>
+> WithSimd for EvaluateRollers<'_, L, DAMPED, FRICTION, BRISTLED, ENERGY>
 {
     type Output = ChainFound;
 
@@ -86,8 +86,8 @@ impl<
         let blocks = n.div_ceil(S::F64_LANES);
         let splat = |value| Lanes::splat(simd, value);
         let Rollers { constants, arrays } = self.rollers;
-        let moments = RUBBED && (BRISTLED || self.bores.friction.is_some());
-        let (mut joints, _) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, false, ENERGY>::new(
+        let moments = FRICTION && (BRISTLED || self.bores.friction.is_some());
+        let (mut joints, _) = Hinges::<S, L, DAMPED, FRICTION, BRISTLED, false, ENERGY>::new(
             simd, self.bores, constants, arrays, blocks,
         );
         let ChainArrays {
@@ -129,16 +129,16 @@ impl<
                 y: y.at(i),
                 vx: vx.at(i),
                 vy: vy.at(i),
-                spin: if RUBBED { spin.at(i) } else { zero },
+                spin: if FRICTION { spin.at(i) } else { zero },
             };
             let bushing = End {
                 x: of_bushing(place[0]),
                 y: of_bushing(place[1]),
                 vx: of_bushing(velocity[0]),
                 vy: of_bushing(velocity[1]),
-                spin: if RUBBED { of_bushing(turning) } else { zero },
+                spin: if FRICTION { of_bushing(turning) } else { zero },
             };
-            if joints.join(i, &roller, &bushing) {
+            if joints.evaluate(i, &roller, &bushing) {
                 let touching = load(simd, &joints.depth[i]).greater(zero);
                 let [felt_x, felt_y] = &joints.rear_force;
                 let felt = [load(simd, &felt_x[i]), load(simd, &felt_y[i])];

@@ -25,7 +25,7 @@ pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) front_force: [&'a mut [S::f64s]; 2],
     pub(super) rear_force: [&'a mut [S::f64s]; 2],
     pub(super) slopes: Option<&'a mut [SlopeGroup]>,
-    pub(super) rubbed: RubbedRun<'a, S>,
+    pub(super) friction_arrays: FrictionArrays<'a, S>,
     centers: [&'a [f64]; 2],
     gap: &'a mut [u32],
     pub(super) gap_cos: &'a mut [f64],
@@ -33,7 +33,7 @@ pub(super) struct RunOfBushings<'a, S: Simd> {
 }
 
 /// Arrays of one run that friction reads and writes; empty without friction.
-pub(super) struct RubbedRun<'a, S: Simd> {
+pub(super) struct FrictionArrays<'a, S: Simd> {
     pub(super) spin: &'a [S::f64s],
     /// Moments on front and rear ends \[N m\].
     pub(super) moments: [&'a mut [S::f64s]; 2],
@@ -44,9 +44,9 @@ pub(super) struct RubbedRun<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> RunOfBushings<'a, S> {
-    /// Return the arrays of run `number` of the candidates. `RUBBED`: with those of friction.
+    /// Return the arrays of run `number` of the candidates. `FRICTION`: with those of friction.
     #[inline(always)]
-    pub(super) fn of<const RUBBED: bool>(
+    pub(super) fn of<const FRICTION: bool>(
         number: usize,
         links: &'a LinkConstants,
         arrays: &'a mut ChainArrays,
@@ -60,21 +60,21 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
         } = candidates.runs[number];
         let blocks = length.div_ceil(S::F64_LANES);
         let (slopes, friction_slopes) = slopes.map(|slopes| slopes.at_slot(slot)).unzip();
-        let mut rubbed = RubbedRun::<S> {
+        let mut friction_arrays = FrictionArrays::<S> {
             spin: &[],
             moments: [&mut [], &mut []],
             friction: &mut [],
             slopes: None,
             bristles: None,
         };
-        if RUBBED {
-            rubbed.spin = vectors::<S>(&arrays.bushing_spin[first..], blocks);
-            rubbed.moments = [
+        if FRICTION {
+            friction_arrays.spin = vectors::<S>(&arrays.bushing_spin[first..], blocks);
+            friction_arrays.moments = [
                 vectors_mut::<S>(&mut arrays.front_moment[first..], blocks),
                 vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1 + first..], blocks),
             ];
-            rubbed.friction = vectors_mut::<S>(&mut candidates.friction[slot..], blocks);
-            rubbed.slopes = friction_slopes;
+            friction_arrays.friction = vectors_mut::<S>(&mut candidates.friction[slot..], blocks);
+            friction_arrays.slopes = friction_slopes;
         }
         let [x, y] = &arrays.bushing;
         Self {
@@ -91,7 +91,7 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             front_force: both_mut::<S>(&mut arrays.front_force, first, blocks),
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1 + first, blocks),
             slopes,
-            rubbed,
+            friction_arrays,
             centers: [&x[first..], &y[first..]],
             gap: &mut candidates.gap[slot..],
             gap_cos: &mut candidates.gap_cos[slot..],

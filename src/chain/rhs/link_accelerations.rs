@@ -1,12 +1,12 @@
-//! Accelerations from the forces of hinges and teeth, gathered per link from its two ends without write conflicts.
+//! Accelerations of links and rollers from the forces of hinges and teeth, gathered per link from its two ends without write conflicts.
 
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{Lanes, both, load, splat_two, vectors, vectors_mut};
 
-/// Kernel of the accelerations of all links. `RUBBED`: with moments about the hinges.
-pub(super) struct AccelerateLinks<'a, const RUBBED: bool> {
+/// Kernel of the accelerations of all links. `FRICTION`: with moments about the hinges.
+pub(super) struct AccelerateLinks<'a, const FRICTION: bool> {
     pub(super) constants: &'a LinkConstants,
     pub(super) arrays: &'a mut ChainArrays,
     /// Number of tooth forces behind entry n.
@@ -16,7 +16,7 @@ pub(super) struct AccelerateLinks<'a, const RUBBED: bool> {
     pub(super) accelerations: [&'a mut [f64]; 3],
 }
 
-impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
+impl<const FRICTION: bool> WithSimd for AccelerateLinks<'_, FRICTION> {
     type Output = ();
 
     #[inline(always)]
@@ -45,7 +45,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
             fold_overhang::<S>(simd, force, FIRST + 1, n, overhang);
             force[FIRST] = force[FIRST + n];
         }
-        if RUBBED {
+        if FRICTION {
             fold_overhang::<S>(simd, front_moment, 0, n, overhang);
             fold_overhang::<S>(simd, rear_moment, FIRST + 1, n, overhang);
             rear_moment[FIRST] = rear_moment[FIRST + n];
@@ -54,9 +54,9 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
             accelerations.map(|array| S::as_mut_simd_f64s(array));
         let whole = x.len();
         let blocks = whole + usize::from(!x_rest.is_empty());
-        let loads = Loads::<S, RUBBED> {
+        let loads = Loads::<S, FRICTION> {
             simd,
-            // Adding 0.0 turns -0.0 into 0.0. The sign of a zero force depends on the other lanes of its vector; the sum with 0.0
+            // A force of -0.0 may occur in some lanes only. Adding 0.0 turns -0.0 into 0.0. The sign of a zero force depends on the other lanes of its vector; the sum with 0.0
             // does not.
             gravity: splat_two(simd, [gravity[0] + 0.0, gravity[1] + 0.0]),
             cos: vectors::<S>(cos, blocks),
@@ -66,7 +66,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
             inverse_inertia: vectors::<S>(&constants.inverse_inertia, blocks),
             front: both::<S>(front_force, 0, blocks),
             rear: both::<S>(rear_force, FIRST, blocks),
-            moments: if RUBBED {
+            moments: if FRICTION {
                 [
                     vectors::<S>(front_moment, blocks),
                     vectors::<S>(&rear_moment[FIRST..], blocks),
@@ -98,8 +98,8 @@ fn fold_overhang<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, ov
     }
 }
 
-/// Kernel of the accelerations of all rollers. `RUBBED`: with moments of friction.
-pub(super) struct AccelerateRollers<'a, const RUBBED: bool> {
+/// Kernel of the accelerations of all rollers. `FRICTION`: with moments of friction.
+pub(super) struct AccelerateRollers<'a, const FRICTION: bool> {
     /// Arrays of the rollers; the forces on them are those on fronts.
     pub(super) arrays: &'a mut ChainArrays,
     /// Number of tooth forces behind entry n.
@@ -112,7 +112,7 @@ pub(super) struct AccelerateRollers<'a, const RUBBED: bool> {
     pub(super) accelerations: [&'a mut [f64]; 3],
 }
 
-impl<const RUBBED: bool> WithSimd for AccelerateRollers<'_, RUBBED> {
+impl<const FRICTION: bool> WithSimd for AccelerateRollers<'_, FRICTION> {
     type Output = ();
 
     #[inline(always)]
@@ -126,7 +126,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateRollers<'_, RUBBED> {
         for force in [&mut *x, y] {
             fold_overhang::<S>(simd, force, 0, n, self.overhang);
         }
-        if RUBBED {
+        if FRICTION {
             fold_overhang::<S>(simd, front_moment, 0, n, self.overhang);
         }
         let [to_x, to_y, to_angle] = self.accelerations;
@@ -134,7 +134,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateRollers<'_, RUBBED> {
         let [gravity_x, gravity_y] = self.gravity.map(|g| g + 0.0);
         accelerate::<S>(simd, x, self.inverse_mass, gravity_x, to_x);
         accelerate::<S>(simd, y, self.inverse_mass, gravity_y, to_y);
-        if RUBBED {
+        if FRICTION {
             accelerate::<S>(simd, front_moment, self.inverse_inertia, 0.0, to_angle);
         } else {
             to_angle.fill(0.0);
@@ -158,7 +158,7 @@ fn accelerate<S: Simd>(simd: S, force: &[f64], inverse_mass: f64, gravity: f64, 
 }
 
 /// Forces, moments and constants of the links in SIMD vectors.
-struct Loads<'a, S: Simd, const RUBBED: bool> {
+struct Loads<'a, S: Simd, const FRICTION: bool> {
     simd: S,
     gravity: [Lanes<S>; 2],
     cos: &'a [S::f64s],
@@ -168,11 +168,11 @@ struct Loads<'a, S: Simd, const RUBBED: bool> {
     inverse_inertia: &'a [S::f64s],
     front: [&'a [S::f64s]; 2],
     rear: [&'a [S::f64s]; 2],
-    /// Moments on fronts and rears \[N m\]; empty without `RUBBED`.
+    /// Moments on fronts and rears \[N m\]; empty without `FRICTION`.
     moments: [&'a [S::f64s]; 2],
 }
 
-impl<S: Simd, const RUBBED: bool> Loads<'_, S, RUBBED> {
+impl<S: Simd, const FRICTION: bool> Loads<'_, S, FRICTION> {
     /// Return the accelerations of one vector of links: x, y, angle.
     #[inline(always)]
     fn accelerations(&self, i: usize) -> [S::f64s; 3] {
@@ -187,7 +187,7 @@ impl<S: Simd, const RUBBED: bool> Loads<'_, S, RUBBED> {
         // Adding 0.0 removes the sign of a zero, as for gravity.
         let nothing = Lanes::splat(self.simd, 0.0);
         let mut moment = at(self.arm) * turn;
-        if RUBBED {
+        if FRICTION {
             moment = moment + (at(self.moments[0]) + at(self.moments[1]));
         }
         let angle = moment.mul_add(at(self.inverse_inertia), nothing);
