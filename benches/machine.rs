@@ -136,7 +136,7 @@ const HINGES: Instructions<f64> = counts([12, 10, 12 + 13, 7, 1, 2]);
 const TEETH_APART: Instructions<f64> = counts([5, 2, 7 + 10, 8, 0, 0]);
 /// The same where one touches, not on the flat.
 const TEETH: Instructions<f64> = counts([13, 6, 14 + 22, 20, 1, 2]);
-/// One register of links: loads to accelerations, `chain/rhs/loads.rs`.
+/// One register of links: loads to accelerations, `chain/rhs/link_accelerations.rs`.
 const ACCELERATIONS: Instructions<f64> = counts([9, 3, 3 + 3, 4, 0, 0]);
 /// One register of links: velocities copied into the derivative.
 const COPY: Instructions<f64> = counts([3, 3, 0, 0, 0, 0]);

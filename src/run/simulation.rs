@@ -257,7 +257,10 @@ impl<S: System> Simulation<S> {
         }
     }
 
-    /// Make one step; after an error the system is restored to the beginning of the step.
+    /// Make one step.
+    ///
+    /// After an error the system can return to the beginning of the step ([`System::go_back`]); a drive has changed nothing that a next
+    /// attempt needs.
     fn step(&mut self, timed: bool) -> Result<()> {
         let begin = timed.then(Instant::now);
         self.system.begin_step(&mut self.adams);

@@ -70,7 +70,10 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     /// Return the properties that identify a state, most significant first.
     fn identity(&self) -> Vec<Identity>;
 
-    /// Prepare the next step of `adams`: clear the impact velocity memory of contacts that ended in the last step.
+    /// Prepare the next step of `adams`.
+    ///
+    /// A chain drive clears here the impact velocity memory of contacts that ended in the last step, because rows within that step need
+    /// it; a mechanism stores the start of the step.
     fn begin_step(&mut self, adams: &mut Adams);
 
     /// Locate the events of the last step and correct the state at its end.
@@ -80,6 +83,8 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()>;
 
     /// Return the longest step from the present state of `adams` \[s\] without a missed event.
+    ///
+    /// Call once between two steps: a mechanism also stores here the contact states from which the next step is screened.
     fn longest_step(&mut self, adams: &Adams) -> f64;
 
     /// Return to the beginning of a failed step.
@@ -119,10 +124,12 @@ pub trait System: SecondOrderSystem + Clone + Debug {
         0
     }
 
-    /// Return the energies at the last evaluation.
+    /// Return the energies at the last evaluation for a report.
     fn energy(&self) -> Energy;
 
-    /// Return the energies at the end of the last step if their evaluation is cheap; they are then included in the exchanged energy.
+    /// Return the energies at the last evaluation of the step, before its end is projected, if their evaluation is cheap.
+    ///
+    /// They are then included in the exchanged energy.
     fn energy_at_step_end(&self) -> Option<Energy> {
         None
     }

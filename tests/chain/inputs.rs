@@ -152,9 +152,12 @@ fn the_energy_balance_goes_on_over_jumps_of_speed_and_torque() {
     assert_eq!(reports, 81);
     let energy = common::energies_of(&run.take_recording());
     let residual = energy.largest_residual();
-    let worked_in = energy.worked_in.last().unwrap().abs();
-    assert!(worked_in > 1e-3, "{worked_in:e}");
-    assert!(residual < 1e-3 * worked_in, "{residual:e} of {worked_in:e}");
+    let external_work = energy.external_work.last().unwrap().abs();
+    assert!(external_work > 1e-3, "{external_work:e}");
+    assert!(
+        residual < 1e-3 * external_work,
+        "{residual:e} of {external_work:e}"
+    );
 }
 
 #[test]

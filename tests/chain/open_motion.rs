@@ -220,7 +220,7 @@ fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
                 at_rest(&drive, &laws, control).0
             };
             let energies = common::energies(&mut run, time, 1e-3);
-            let turned = energies.worked_in.last().unwrap().abs()
+            let turned = energies.external_work.last().unwrap().abs()
                 + energies.kinetic.last().unwrap()
                 + energies.dissipated.last().unwrap();
             let missing = energies.largest_residual();

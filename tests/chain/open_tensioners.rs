@@ -97,7 +97,7 @@ fn the_energy_of_a_tightened_open_chain_is_accounted_for() {
     for drive in [tightened(60.0), fork_lift(120.0)] {
         let mut run = common::simulation(&drive, &ForceLaws::default(), StepControl::default());
         let found = energies(&mut run, 0.04, 1e-3);
-        let turned = found.worked_in.last().unwrap().abs()
+        let turned = found.external_work.last().unwrap().abs()
             + found.kinetic.last().unwrap()
             + found.dissipated.last().unwrap();
         let missing = found.largest_residual();

@@ -190,7 +190,7 @@ pub struct Energies {
     pub kinetic: Vec<f64>,
     pub elastic: Vec<f64>,
     pub dissipated: Vec<f64>,
-    pub worked_in: Vec<f64>,
+    pub external_work: Vec<f64>,
     pub residual: Vec<f64>,
 }
 
@@ -218,7 +218,7 @@ pub fn energies_of(recording: &Recording) -> Energies {
         kinetic: channel(recording, "energy_kinetic"),
         elastic: channel(recording, "energy_elastic"),
         dissipated: channel(recording, "energy_dissipated"),
-        worked_in: channel(recording, "energy_external_work"),
+        external_work: channel(recording, "energy_external_work"),
         residual: channel(recording, "energy_residual"),
     }
 }

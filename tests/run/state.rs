@@ -111,6 +111,8 @@ fn a_run_handed_on_after_every_step_is_the_run_that_nobody_touched() {
         step(&mut whole);
         step(&mut relay);
         relay = successor(&relay, &drive, &laws);
+        let longest = [&relay, &whole].map(|run| run.dynamics().longest_step_past_teeth());
+        assert_eq!(longest[0], longest[1]);
         steps += 1;
         let dynamics = whole.dynamics();
         let parted = dynamics.parted();
@@ -241,7 +243,7 @@ fn bytes_that_are_not_those_of_a_state_are_refused() {
             let message = said(&damaged);
             let expected = match place {
                 0..16 => "hold no state",
-                16..20 => "this rustchain reads version 11",
+                16..20 => "this rustchain reads version 12",
                 _ => "are damaged",
             };
             assert!(message.contains(expected), "byte {place}: {message}");

@@ -84,11 +84,11 @@ impl DriveSystem {
         self.dynamics.evaluate(t, y);
         let Powers {
             dissipated,
-            worked_in,
+            external_work,
             ..
         } = self.passed;
         let gained = self.dynamics.energy().total() - self.energy_at_start;
-        [gained + dissipated - worked_in, dissipated]
+        [gained + dissipated - external_work, dissipated]
     }
 
     pub(crate) fn onsets(&self) -> u64 {

@@ -1,4 +1,7 @@
 //! Clearance joint: a cylinder in the bore of another, pin in bushing or bushing in roller (paper's Eqs. 2 and 3).
+//!
+//! The kernels have the same equations over vectors (chain/rhs/chain/hinges.rs). This form serves event location, which must not run the
+//! kernels: they would overwrite the arrays of the last evaluation.
 
 use crate::geometry::{Contact, Vec2};
 

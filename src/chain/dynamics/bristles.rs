@@ -109,7 +109,7 @@ impl Dynamics {
         all
     }
 
-    /// Reset the bristles of contacts that ended in the last step, with their history; call before [`Self::begin_step`].
+    /// Reset the bristles of contacts that ended in the last step, with their history; call before [`Self::forget_ended_contacts`].
     pub(crate) fn unbend_parted(&mut self, adams: &mut Adams) {
         if self.model.bristles.is_empty() {
             return;

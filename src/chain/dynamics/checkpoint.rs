@@ -18,6 +18,7 @@ pub struct Checkpoint {
     memory: ImpactMemory,
     candidates: CandidatesCheckpoint,
     watch: Watch,
+    fastest: f64,
     unseen_touches: u64,
     keeps_energy: bool,
     quadrature: EnergyQuadrature<Powers>,
@@ -36,6 +37,7 @@ impl Dynamics {
             memory: self.memory.clone(),
             candidates: self.kernels.candidates.to_checkpoint(&self.model),
             watch: self.kernels.watch.clone(),
+            fastest: self.events.fastest,
             unseen_touches: self.events.unseen_touches,
             keeps_energy: self.keeps_energy,
             quadrature: self.quadrature.clone(),
@@ -79,6 +81,7 @@ impl Dynamics {
         }
         dynamics.quadrature.carry_on(&checkpoint.quadrature);
         dynamics.kernels.watch.copy_from(&checkpoint.watch);
+        dynamics.events.fastest = checkpoint.fastest;
         dynamics.events.unseen_touches = checkpoint.unseen_touches;
         dynamics.memory = checkpoint.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;

@@ -85,7 +85,7 @@ pub(crate) fn outside_powers(
     let spin = moves.spin;
     let mut powers = Powers {
         dissipated: 0.0,
-        worked_in: match &sprocket.rotation {
+        external_work: match &sprocket.rotation {
             Rotation::Prescribed(_) => -chain.moment * spin,
             Rotation::Free { .. } => sprocket.applied_torque(t, spin) * spin,
         },
@@ -97,7 +97,7 @@ pub(crate) fn outside_powers(
     if let Support::Slide { guide, .. } = sprocket.support {
         let (_, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
         let speed = moves.velocity.dot(&tangent);
-        powers.worked_in += sprocket.pull(t) * speed;
+        powers.external_work += sprocket.pull(t) * speed;
         powers.dissipated += guide.dashpot(speed) * speed * speed;
     }
     powers

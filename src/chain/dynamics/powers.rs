@@ -67,7 +67,7 @@ pub struct Powers {
     /// Total dissipated power, in contacts and dashpots.
     pub dissipated: f64,
     /// External power of motors, applied torques, tensioner and moving ends.
-    pub worked_in: f64,
+    pub external_work: f64,
     /// Dissipated power by kind of contact.
     pub losses: Losses,
 }
@@ -81,7 +81,7 @@ impl Powers {
                 + (losses.hinge_friction + losses.tooth_friction)
                 + (losses.roller_contact + losses.roller_friction)
                 + losses.hinge_film,
-            worked_in: 0.0,
+            external_work: 0.0,
             losses,
         }
     }
@@ -90,7 +90,7 @@ impl Powers {
 impl std::ops::AddAssign for Powers {
     fn add_assign(&mut self, other: Self) {
         self.dissipated += other.dissipated;
-        self.worked_in += other.worked_in;
+        self.external_work += other.external_work;
         let (mut losses, others) = (self.losses.values(), other.losses.values());
         for (loss, other) in losses.iter_mut().zip(others) {
             *loss += other;
@@ -112,12 +112,12 @@ impl PowerSum for Powers {
     fn scaled(self, factor: f64) -> Self {
         Self {
             dissipated: factor * self.dissipated,
-            worked_in: factor * self.worked_in,
+            external_work: factor * self.external_work,
             losses: Losses::of_values(self.losses.values().map(|loss| factor * loss)),
         }
     }
 
     fn totals(&self) -> [f64; 2] {
-        [self.dissipated, self.worked_in]
+        [self.dissipated, self.external_work]
     }
 }

@@ -153,7 +153,7 @@ impl OpenEnds {
     ///
     /// `force`: force of the chain on each end \[N\].
     #[must_use]
-    pub(crate) fn worked_in(&self, force: [Vec2; 2], t: f64) -> f64 {
+    pub(crate) fn external_work(&self, force: [Vec2; 2], t: f64) -> f64 {
         let ends = self.bodies.iter().zip(force);
         ends.map(|(end, force)| match &end.kind {
             EndKind::Held(_) => -end.given_velocity(t).unwrap_or_default().dot(&force),

@@ -77,7 +77,7 @@ impl Kernels {
                 ) = (given.x, given.y, 0.0);
             }
         }
-        ends.worked_in(self.on_ends(ends), t)
+        ends.external_work(self.on_ends(ends), t)
     }
 
     /// Return the force of the chain on both ends of an open chain at the last evaluation \[N\].

@@ -213,7 +213,7 @@ impl<S: Simd> BristleLanes<'_, S> {
 
     /// Set the rates of vector `i` of contacts to zero: none of them touches.
     #[inline(always)]
-    pub(crate) fn rest(&mut self, i: usize) {
+    pub(crate) fn clear_rates(&mut self, i: usize) {
         let simd = self.radius.simd();
         self.rate[i] = Lanes::splat(simd, 0.0).values();
     }

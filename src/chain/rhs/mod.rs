@@ -160,7 +160,7 @@ impl Kernels {
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
         let mut powers = Powers::of(losses);
         if ENERGY {
-            powers.worked_in += moved;
+            powers.external_work += moved;
             for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
             {
                 powers += outside_powers(sprocket, &pose.moves(), load, t);

@@ -247,7 +247,7 @@ impl<
                 }
             }
             if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
-                bristles.rest(b);
+                bristles.clear_rates(b);
             }
             self.changed |= remembered.any();
             return;

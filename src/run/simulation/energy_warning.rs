@@ -29,10 +29,12 @@ pub(super) fn describe_open_balance(open: &OpenBalance, remedy: &str) -> String 
 pub(super) fn tighter_accuracy(control: &StepControl, open: &OpenBalance) -> String {
     let ratio = open.allowed / open.residual.abs();
     if control.is_by_component() {
+        // With rtol and atol the residual falls about with the tolerance; no margin was measured.
         let finer = power_of_ten_below(control.rtol.max(control.atol) * ratio);
         format!("rtol and atol of {finer:e} or less")
     } else {
-        // The residual is proportional to the square root of the accuracy: a tenth of the accuracy gives a third of the residual.
+        // The residual is about proportional to the square root of the accuracy: a tenth of the accuracy gives a third of the residual
+        // (figures in decision 20).
         let aim = AIM * ratio;
         let finer = power_of_ten_below(control.accuracy * aim * aim);
         format!("accuracy = {finer:e} or less")

@@ -86,7 +86,8 @@ impl<S: System> Snapshot<S> {
 impl<S: System> Simulation<S> {
     /// Return the complete state, from which [`restore`](Self::restore) continues with the same bits.
     ///
-    /// It excludes an active recording and wall times.
+    /// It excludes an active recording and wall times. Both machines must fuse products and sums, or neither: the bits differ between the
+    /// instruction set `plain` and the others (decision 18).
     #[must_use]
     pub fn snapshot(&self) -> Snapshot<S> {
         let identity = self.system.identity().into_iter();

@@ -231,7 +231,7 @@ impl<
         let inverse_impact_velocity = load(simd, &self.inverse_impact_velocity[i]);
         let has_memory = inverse_impact_velocity.greater(zero);
         if !near.any() {
-            self.put(i, [zero; 4]);
+            self.write_contact(i, [zero; 4]);
             if EXTRA {
                 self.add_film(i, [front, rear], [ex, ey], velocity, distance_squared);
             }
@@ -240,10 +240,10 @@ impl<
                 group.put(part, [zero; 6]);
             }
             if FRICTION {
-                self.put_no_friction(i);
+                self.write_zero_friction(i);
             }
             if BRISTLED && let Some(bristles) = &mut self.bristles {
-                bristles.rest(i);
+                bristles.clear_rates(i);
             }
             self.changed |= has_memory.any();
             return false;
@@ -294,7 +294,7 @@ impl<
         if FRICTION {
             pull = self.add_friction(i, [front, rear], ([nx, ny], depth), velocity, force);
         }
-        self.put(i, [depth, force, pull[0], pull[1]]);
+        self.write_contact(i, [depth, force, pull[0], pull[1]]);
         if EXTRA {
             self.add_film(i, [front, rear], [ex, ey], velocity, distance_squared);
         }
@@ -303,7 +303,7 @@ impl<
 
     /// Write penetration, normal force, and the force vector, which acts on the rear ends and with opposite sign on the front ends.
     #[inline(always)]
-    fn put(&mut self, i: usize, [depth, force, x, y]: [Lanes<S>; 4]) {
+    fn write_contact(&mut self, i: usize, [depth, force, x, y]: [Lanes<S>; 4]) {
         self.depth[i] = depth.values();
         self.force[i] = force.values();
         self.front_force[0][i] = (-x).values();
@@ -314,7 +314,7 @@ impl<
 
     /// Write zero friction for hinges without contact.
     #[inline(always)]
-    fn put_no_friction(&mut self, i: usize) {
+    fn write_zero_friction(&mut self, i: usize) {
         let zero = self.clearance.constant(0.0);
         self.friction[i] = zero.values();
         if let Some(slopes) = &mut self.friction_slopes {

@@ -53,6 +53,8 @@ impl<
     }
 
     /// Add the film to the forces and moments of these hinges.
+    ///
+    /// The same equations for one contact of a mechanism: multibody/contact/film.rs.
     #[inline(always)]
     pub(super) fn add_film(
         &mut self,
@@ -117,6 +119,8 @@ impl<
     }
 
     /// Return the force on the rear ends with friction; write the moments of friction.
+    ///
+    /// The same equations for one contact of a mechanism: multibody/contact/friction.rs.
     #[inline(always)]
     pub(super) fn add_friction(
         &mut self,
