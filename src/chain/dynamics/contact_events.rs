@@ -127,7 +127,10 @@ impl Dynamics {
     /// Return bushing, sprocket and surface, from 0, of all tooth contacts with a memory.
     pub(crate) fn stored_surfaces(&self) -> Vec<[usize; 3]> {
         let (links, memory) = (self.model.links, &self.memory);
-        let pairs = memory.tooth_speed.iter().zip(&memory.tooth_surface);
+        let pairs = memory
+            .tooth_impact_velocity
+            .iter()
+            .zip(&memory.tooth_surface);
         let live = pairs.enumerate().filter(|(_, (speed, _))| **speed > 0.0);
         live.map(|(pair, (_, surface))| [pair % links, pair / links, surface.index()])
             .collect()

@@ -49,6 +49,8 @@ def missing(name: str, owner: str) -> list[str]:
     ``Type::member`` and ``Type::{member, member}`` are of Rust, ``Type.member`` is of Python.
     ``.member`` belongs to the Python type ``owner`` before it. A name alone may be of either.
     """
+    if name.endswith((".rs", "/")):
+        return [] if (ROOT / "src" / name).exists() else [name]
     if "::" in name:
         kind, members = name.split("::")
         return [
