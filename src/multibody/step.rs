@@ -165,9 +165,9 @@ impl MechanismDynamics {
 
     /// Evaluate the right-hand side at the integrator's `y` and discard the derivative.
     pub(super) fn differentiate(&mut self, t: f64, y: &[f64]) {
-        let mut slope = std::mem::take(&mut self.work.derivative);
-        self.derivative(t, y, &mut slope);
-        self.work.derivative = slope;
+        let mut derivative = std::mem::take(&mut self.work.derivative);
+        self.derivative(t, y, &mut derivative);
+        self.work.derivative = derivative;
     }
 
     /// Return the body or bristle of a component of the state and the largest forces, as text.

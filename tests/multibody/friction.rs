@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::common::mechanisms::{
-    GRAVITY, Rows, bar, bar_chain, control, ground, record, revolute, with,
+    GRAVITY, Rows, bar, bar_chain, control, ground, record, revolute, simulation,
 };
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::geometry::Vec2;
