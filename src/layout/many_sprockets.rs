@@ -156,6 +156,11 @@ impl<'a> Around<'a> {
         slack: usize,
         why: &mut Option<String>,
     ) -> Option<Polygon> {
+        // A strand that is far too long is refused before its links are fitted, one by one.
+        if let Some(fault) = self.bow(&polygon, slack) {
+            why.get_or_insert(fault);
+            return None;
+        }
         let hinges = std::mem::take(&mut polygon.hinges);
         for own in for_own_lengths(&self.drive.chain, hinges) {
             polygon.hinges = own;
@@ -213,7 +218,21 @@ impl<'a> Around<'a> {
         links
     }
 
-    /// Return the fault of a polygon, if any.
+    /// Return the fault of a slack strand that bows out too far, if any; it does not depend on the lengths of single links.
+    fn bow(&self, polygon: &Polygon, slack: usize) -> Option<String> {
+        let (span, sag) = (polygon.spans[slack], polygon.sag[slack]);
+        (bow_angle(sag, span) > LARGEST_BOW).then(|| {
+            format!(
+                "the {} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
+                strand_name(&self.line.strands(), slack),
+                1e3 * polygon.slack[slack],
+                1e3 * span,
+                1e3 * sag
+            )
+        })
+    }
+
+    /// Return any other fault of a polygon.
     fn fault(&self, polygon: &Polygon, slack: usize) -> Option<String> {
         let chain = &self.drive.chain;
         let lie = self.lie(polygon);
@@ -225,22 +244,11 @@ impl<'a> Around<'a> {
                 1e6 * chain.hinge.clearance()
             ));
         }
-        let name = || strand_name(&self.line.strands(), slack);
-        let (span, sag) = (polygon.spans[slack], polygon.sag[slack]);
-        if bow_angle(sag, span) > LARGEST_BOW {
-            return Some(format!(
-                "the {} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
-                name(),
-                1e3 * polygon.slack[slack],
-                1e3 * span,
-                1e3 * sag
-            ));
-        }
         let gap = lie.smallest_gap();
         (gap < 0.9 * START_GAPS[0]).then(|| {
             format!(
                 "with the slack in the {} strand, a bushing would start {:.3} um off a tooth (negative: inside)",
-                name(),
+                strand_name(&self.line.strands(), slack),
                 1e6 * gap
             )
         })

@@ -178,6 +178,11 @@ impl<'a> Place<'a> {
 
     /// The path with links of their own lengths, where that has no fault; the first fault is kept in `why`.
     fn fitted(&self, mut path: Path, why: &mut Option<String>) -> Option<Path> {
+        // A strand that is far too long is refused before its links are fitted, one by one.
+        if let Some(fault) = Self::bow(&path) {
+            why.get_or_insert(fault);
+            return None;
+        }
         let hinges = std::mem::take(&mut path.hinges);
         for own in for_own_lengths(&self.drive.chain, hinges) {
             path.hinges = own;
@@ -211,7 +216,24 @@ impl<'a> Place<'a> {
         taut.into_iter().chain(others).collect()
     }
 
-    /// Why a path will not do.
+    /// Return the fault of a strand that bows out too far, if any; it does not depend on the lengths of single links.
+    fn bow(path: &Path) -> Option<String> {
+        [(Strand::Upper, "upper"), (Strand::Lower, "lower")].into_iter().find_map(|(strand, name)| {
+            let i = strand as usize;
+            let (span, sag) = (path.spans[i], path.sag[i]);
+            let bow = 2.0 * (2.0 * sag / span).atan();
+            (bow > LARGEST_BOW).then(|| {
+                format!(
+                    "the {name} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
+                    1e3 * path.slack[i],
+                    1e3 * span,
+                    1e3 * sag
+                )
+            })
+        })
+    }
+
+    /// Return any other fault of a path.
     fn fault(&self, path: &Path) -> Option<String> {
         let chain = &self.drive.chain;
         let stretch = self.lie(path).stretch();
@@ -221,19 +243,6 @@ impl<'a> Place<'a> {
                 1e6 * stretch,
                 1e6 * chain.hinge.clearance()
             ));
-        }
-        for (strand, name) in [(Strand::Upper, "upper"), (Strand::Lower, "lower")] {
-            let i = strand as usize;
-            let (span, sag) = (path.spans[i], path.sag[i]);
-            let bow = 2.0 * (2.0 * sag / span).atan();
-            if bow > LARGEST_BOW {
-                return Some(format!(
-                    "the {name} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
-                    1e3 * path.slack[i],
-                    1e3 * span,
-                    1e3 * sag
-                ));
-            }
         }
         let gap = self.lie(path).smallest_gap();
         (gap < 0.9 * START_GAPS[0]).then(|| {

@@ -35,6 +35,11 @@ COARSEST = 1e-6
 # Young's modulus [Pa] from which on a penetration by a whole radius is none of softness.
 HARD = 1e9
 
+# Bodies faster than this [m/s], or contacts under more force than this times the square of the
+# pitch [Pa], may penetrate by a radius: at 500 m/s a roller has the elastic energy of half a radius.
+# Chains run below 50 m/s and break at 1e8 Pa.
+FASTEST, STRONGEST = 100.0, 1e9
+
 # No array of a result has a number that is not finite but these: no contact near, no peak yet.
 MAY_BE_INFINITE = ("hinge_penetration", "tooth_penetration", "roller_penetration")
 MAY_BE_INFINITE += ("contact_penetration",)
@@ -117,11 +122,24 @@ def figures(result: rc.Result) -> Iterator[Figure]:
     if system.hinges == "ideal":
         drift = np.hypot(*np.moveaxis(arrays["hinge_eccentricity"], -1, 0)).max()
         yield Figure("drift of hinges", float(drift / (DRIFT * chain.pitch)), "drift")
-    elif chain.link_stiffness is None and chain.material.elastic_modulus >= HARD:
+    if _beyond_chains(chain, arrays):
+        return
+    if (
+        system.hinges == "clearance"
+        and chain.link_stiffness is None
+        and (chain.material.elastic_modulus >= HARD)
+    ):
         yield _depth("hinge", arrays["hinge_penetration"], chain.hinge.pin_radius)
     if chain.material.elastic_modulus >= HARD:
         yield _depth("tooth", arrays["tooth_penetration"], chain.contact_radius)
         yield from _through_teeth(system, arrays)
+
+
+def _beyond_chains(chain: rc.Chain, arrays: dict[str, Array]) -> bool:
+    """Return whether speeds or forces are far above those of chains."""
+    speed = np.abs(arrays["velocities"][..., :2]).max()
+    force = max(arrays["peak_hinge_force"].max(), arrays["peak_tooth_force"].max(initial=0.0))
+    return bool(speed > FASTEST or force > STRONGEST * chain.strands * chain.pitch**2)
 
 
 def _depth(name: str, penetration: Array, radius: float) -> Figure:

@@ -72,7 +72,7 @@ OF_SCENES: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
         ("drift",),
         ("drift of joints", "drift of speeds of joints", "drift of hinges"),
     ),
-    ("a restart from a file goes on to the same bits", ("other bits",), ()),
+    ("a restart from a file continues to the same bits", ("other bits",), ()),
     ("a run ends, or obeys an interrupt: no hang, no abort", ("hang", "abort"), ()),
     ("an error is one of the package and names a cause", ("no cause", "other error", "panic"), ()),
 )
@@ -80,7 +80,7 @@ OF_SCENES: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...] = (
 # Promise, and the tests of pytest that hold it: paths, and the expression that chooses among them.
 OF_PYTEST: tuple[tuple[str, tuple[str, ...], str], ...] = (
     (
-        "a saved state goes on to the same bits: new process, other threads, any time",
+        "a saved state continues to the same bits: new process, other threads, any time",
         ("simulation/test_restart.py", "simulation/test_state.py"),
         "not damaged and not refused",
     ),
@@ -106,7 +106,7 @@ OF_PYTEST: tuple[tuple[str, tuple[str, ...], str], ...] = (
         "several_processes or processes_at_once or writers_at_once or share_a_store",
     ),
     (
-        "a sweep that is interrupted, or loses a worker, goes on where it was",
+        "a sweep that is interrupted, or loses a worker, continues where it was",
         ("sweeps/test_store.py", "sweeps/test_executors.py", "sweeps/test_sweep.py"),
         "ended or killed or interrupted or breaks or damaged",
     ),

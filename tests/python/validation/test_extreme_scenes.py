@@ -1,5 +1,6 @@
 """Scenes with extreme numbers: refused by name, or ended where a run makes no progress."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -157,6 +158,18 @@ def test_a_start_of_ones_own_holds_to_the_bounds_of_speeds(row, column):
         rc.InvalidInput, match=f"velocities of {name} = .*1000000.*expected at most"
     ):
         rc.Simulation(calm.drive, positions=calm.positions, velocities=velocities)
+
+
+def test_a_chain_a_thousand_times_too_long_is_refused_before_its_links_are_fitted():
+    plain = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60)
+    first = replace(plain.sprockets[0], eccentricity=5e-5)
+    chain = replace(plain.chain, links=60_000, pitch_spread=1e-5)
+    drive = replace(plain, chain=chain, sprockets=(first, plain.sprockets[1]))
+    begin = time.process_time()
+    with pytest.raises(rc.InvalidInput, match="would bow out"):
+        drive.check()
+    # 34 s when the links were fitted for each of the 12 rotations of the wheels.
+    assert time.process_time() - begin < 10.0
 
 
 def test_a_heavy_chain_under_little_tension_comes_to_rest():

@@ -10,8 +10,10 @@ import pytest
 import bounds
 import extremes
 import outcomes
+import reliability
 import rustchain as rc
 import shrink
+import studies
 import tree
 from outcomes import Outcome, outcome_of, table
 from scenes import KINDS, Seeded, Trial
@@ -171,3 +173,37 @@ def test_a_failing_scene_becomes_a_small_file(tmp_path, monkeypatch):
     assert len(list(tree.numbers(tree.tree_of(scene)))) < 45
     shrink.to_file(job, Outcome("", "", "panic"), tmp_path, 1.0)
     assert rc.load_scene(tmp_path / "given.toml").drive.chain.roller is not None
+
+
+def test_a_promise_counts_what_broke_it_and_names_the_worst_figure():
+    name = "residual, without a warning"
+    held = Outcome("1", "", "finished", worst={name: 0.4}, features=["restart"])
+    broken = Outcome("2", "", "silent imbalance", worst={name: 3.0})
+    refused = Outcome("3", "", "refused", "a cause")
+    rows = reliability.rows_of_scenes("random", "test", [held, broken, refused])
+    balance = rows[0]
+    assert (balance.cases, balance.failures, balance.worst) == (2, 1, "3 of the bound")
+    restart = next(row for row in rows if "restart" in row.promise)
+    assert (restart.cases, restart.failures) == (1, 0)
+    assert sum(row.failures for row in rows) == 1
+    assert set(outcomes.FAILURES) == {
+        name for _, names, _ in reliability.OF_SCENES for name in names
+    }
+
+
+def test_the_tests_of_every_promise_are_there():
+    for _, paths, _ in reliability.OF_PYTEST:
+        for path in paths:
+            assert (reliability.ROOT / "tests" / "python" / path).is_file(), path
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_studies_have_both_ends_of_every_range():
+    values = {run.kind: [] for run in studies.runs()}
+    for run in studies.runs():
+        values[run.kind].append(run.value)
+    assert max(values["mass ratio of rods"]) == 1e6
+    assert min(values["minimum impact velocity"]) == 1e-7
+    assert max(values["links"]) == 10_000
+    (found,) = studies.all_outcomes(studies.runs("mass ratio")[-1:])
+    assert studies.share(found) < 1e-8
