@@ -9,11 +9,14 @@ use serde::{Deserialize, Serialize};
 use super::PowerSum;
 use crate::integrator::Step;
 
-/// Accepted error of a step, over the largest dissipated power in it times its length.
+/// Accepted error of a step, over its length and the largest power in it: dissipated, or a share of the external power.
 ///
 /// The difference of the energies from a much finer quadrature is then a tenth of the residual or less on the published drive (decision 22).
 /// Doubled: a tenth fewer evaluations, half as much error again.
 const ACCEPTED_ERROR: f64 = 2e-3;
+
+/// Share of the external power that counts as much as dissipated power. The limit of the energy warning has the same share (decision 33).
+const EXTERNAL_SHARE: f64 = 0.01;
 
 /// Largest number of panels of a step. A kink leaves an error that falls only with the square of their length.
 const MOST_PANELS: usize = 4;
@@ -113,8 +116,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         let before =
             (self.start < self.end).then(|| ((self.start - step.start) / length, self.powers[0]));
         let simpson = [at_start, powers_at(0.5), at_end];
-        let powers = simpson.iter().map(|power| power.totals()[0].abs());
-        let accepted = ACCEPTED_ERROR * powers.fold(0.0, f64::max);
+        let accepted = ACCEPTED_ERROR * (simpson.iter().map(decisive)).fold(0.0, f64::max);
         let is_accepted = |error: P| error.totals().iter().all(|e| e.abs() <= accepted);
         self.powers.clear();
         self.powers.extend(simpson);
@@ -169,6 +171,12 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         }
         sum
     }
+}
+
+/// Return the power that errors are compared with \[W\].
+fn decisive<P: PowerSum>(power: &P) -> f64 {
+    let [dissipated, external] = power.totals();
+    dissipated.abs().max(EXTERNAL_SHARE * external.abs())
 }
 
 /// Return the mean of powers at equal distances by Simpson's rule.

@@ -42,7 +42,7 @@ def wrap_series(teeth, flank):
         profile=rc.StraightTooth(math.radians(flank)),
     )
     result = rc.Simulation(drive, start="static").run(
-        1e-5, report_step=1e-5, record=("hinges", "teeth", "sprockets", "energy"), **QUIET
+        1e-5, report_step=1e-5, record=("hinges", "teeth", "sprockets"), **QUIET
     )
     load = result.wrap_loads(1, bins_per_pitch=1)
     place = load["position"].to_numpy()
