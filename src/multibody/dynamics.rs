@@ -21,7 +21,7 @@ use crate::integrator::OdeSystem;
 /// Right-hand side of the equations of motion. Its contact memory changes between steps only.
 ///
 /// The solution is y = [q, v, energy dissipated, external work], with the deflections of bristles after q and their rates after v. It
-/// differs from the state by a [`Shift`], so the integrator's solution and history are not modified by projections.
+/// differs from the state by a `Shift`, so the integrator's solution and history are not modified by projections.
 #[derive(Debug, Clone)]
 pub struct MechanismDynamics {
     pub(crate) model: Arc<MechanismModel>,
@@ -226,7 +226,7 @@ impl OdeSystem for MechanismDynamics {
         self.shift.add(t, &mut shifted);
         self.corrector.time = t;
         self.evaluate(t, &shifted);
-        // dq/dt = v of the integrator's own solution, without the shift: see [`Shift`].
+        // dq/dt = v of the integrator's own solution, without the shift: see `Shift`.
         dydt[..unknowns].copy_from_slice(&y[unknowns..2 * unknowns]);
         let accelerations = if self.corrector.stage.active {
             &self.corrector.stage.trial

@@ -144,23 +144,13 @@ impl MechanismDynamics {
         self.work.inside = state;
     }
 
-    /// For `t` before the end of the last step: set the memory of contacts that ended in the step, and of circles that left the back of an
-    /// open outline in it, to that at its start. Return the sides changed, with what they had.
-    ///
-    /// The memory at the end of the step has neither. Without it, damping by the minimum impact velocity would cancel the force.
+    /// Set the memory of the contacts to that at `t` within the last step; return the sides changed, with what they had.
     pub(super) fn restore_memory(&mut self, adams: &Adams, t: f64) -> Vec<(usize, Memory)> {
-        if t >= adams.time() {
-            return Vec::new();
+        if t < adams.time() {
+            self.contacts.restore_memory(&self.step.memory)
+        } else {
+            Vec::new()
         }
-        let sides = self.contacts.memory.iter_mut().zip(&self.step.memory);
-        let lost = |now: &Memory, before: &Memory| {
-            before.is_behind() || before.is_in_contact() && !now.is_in_contact()
-        };
-        sides
-            .enumerate()
-            .filter(|(_, (now, before))| lost(now, before))
-            .map(|(k, (now, before))| (k, std::mem::replace(now, *before)))
-            .collect()
     }
 
     /// Evaluate the right-hand side at the integrator's `y` and discard the derivative.

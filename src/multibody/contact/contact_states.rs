@@ -80,6 +80,22 @@ impl ContactStates {
         contact.apart(fa, fb, side, self.memory[k])
     }
 
+    /// Set the memory of contacts that ended in the last step, and of circles that left the back of an open outline in it, to that
+    /// `at_start` of the step; return the sides changed, with what they had.
+    ///
+    /// The memory at the end of the step has neither. Without it, damping by the minimum impact velocity would cancel the force of
+    /// rows inside the step.
+    pub(crate) fn restore_memory(&mut self, at_start: &[Memory]) -> Vec<(usize, Memory)> {
+        let lost = |now: &Memory, before: &Memory| {
+            before.is_behind() || before.is_in_contact() && !now.is_in_contact()
+        };
+        let sides = self.memory.iter_mut().zip(at_start).enumerate();
+        sides
+            .filter(|(_, (now, before))| lost(now, before))
+            .map(|(k, (now, before))| (k, std::mem::replace(now, *before)))
+            .collect()
+    }
+
     /// Return the force of each contact on its circle \[N\], with friction and film, summed over its sides.
     pub(crate) fn pushes(&self, model: &MechanismModel) -> impl Iterator<Item = Vec2> {
         let contacts = model.sides_of_contact.iter();
