@@ -36,7 +36,7 @@ COARSEST = 1e-6
 HARD = 1e9
 
 # Bodies faster than this [m/s], or contacts under more force than this times the square of the
-# pitch [Pa], may penetrate by a radius: at 500 m/s a roller has the elastic energy of half a radius.
+# pitch [Pa], may penetrate by a radius: a roller at 500 m/s has the elastic energy of half of it.
 # Chains run below 50 m/s and break at 1e8 Pa.
 FASTEST, STRONGEST = 100.0, 1e9
 

@@ -173,13 +173,14 @@ def row_of_pytest(promise: str, paths: Iterable[str], chosen: str) -> Row:
         tests = [str(ROOT / "tests" / "python" / path) for path in paths]
         command = [sys.executable, "-m", "pytest", "-q", f"--junitxml={report}", *tests]
         ended = subprocess.run([*command, "-k", chosen], cwd=ROOT, capture_output=True, text=True)
-        suites = ElementTree.parse(report).getroot().iter("testsuite")
-        counts = [tuple(int(s.get(n, 0)) for n in ("tests", "failures", "errors")) for s in suites]
-    failed = sum(failures + errors for _, failures, errors in counts)
+        suites = list(ElementTree.parse(report).getroot().iter("testsuite"))
+        names = ("tests", "skipped", "failures", "errors")
+        suite = {name: sum(int(each.get(name, 0)) for each in suites) for name in names}
+    failed = suite["failures"] + suite["errors"]
     if failed:
         print(ended.stdout, flush=True)
-    names = ", ".join(f"`{Path(path).name}`" for path in paths)
-    return Row(promise, names, sum(tests for tests, *_ in counts), failed)
+    files = ", ".join(f"`{Path(path).name}`" for path in paths)
+    return Row(promise, files, suite["tests"] - suite["skipped"], failed)
 
 
 def write(rows: Sequence[Row], of_studies: Sequence[Outcome], date: str) -> None:

@@ -138,6 +138,13 @@ def test_the_rich_scenes_themselves_hold_every_bound(make):
     assert max(outcome.worst.values()) < 0.5
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_few_random_scenes_hold_every_bound():
+    found = list(outcomes_of([Seeded(seed, BRIEF) for seed in range(2000, 2030)]))
+    assert not [str(outcome) for outcome in found if outcome.failed]
+    assert sum(outcome.outcome == "finished" for outcome in found) > 15
+
+
 def test_a_number_of_a_rich_scene_is_multiplied():
     path = ("system", "chain", "material", "elastic_modulus")
     job = extremes.Extreme("published", path, 1e-3)
