@@ -39,6 +39,7 @@ __all__ = [
     "links_around",
     "links_for",
     "mechanism_case",
+    "mechanism_static_start",
     "panicked",
     "read_toml",
     "static_start",
@@ -75,9 +76,15 @@ def static_start(
     tooth_law: ForceLaw | None,
     min_impact_velocity: float,
 ) -> dict[str, Any]:
-    """Return positions, velocities and tooth surfaces of a chain at rest, and how well it rests.
+    """Return positions, velocities and surfaces of a drive at rest, and how well it rests.
 
-    A surface is (bushing, sprocket, surface), each from 0.
+    A surface is (bushing, sprocket, surface), of ideal hinges (contact, side, piece), each from 0.
+    """
+
+def mechanism_static_start(description: Mechanism) -> dict[str, Any]:
+    """Return positions, velocities and surfaces of a mechanism at rest, and how well it rests.
+
+    A surface is (contact, side, piece), each from 0.
     """
 
 def fmu_scene(
@@ -308,7 +315,13 @@ class Ensemble:
     def close(self) -> None:
         """Stop all cases, and wait until they have."""
 
-def MechanismCore(description: Mechanism, solver: Solver) -> Core:
+def MechanismCore(
+    description: Mechanism,
+    solver: Solver,
+    positions: npt.NDArray[np.float64] | None = ...,
+    velocities: npt.NDArray[np.float64] | None = ...,
+    surfaces: Sequence[tuple[int, int, int]] = ...,
+) -> Core:
     """Assemble a mechanism and return its run."""
 
 def mechanism_case(
@@ -330,5 +343,6 @@ def ideal_core(
     solver: Solver,
     positions: _Array | None,
     velocities: _Array | None,
+    surfaces: Sequence[tuple[int, int, int]] = ...,
 ) -> tuple[Core, str | None]:
     """Return the run of a drive with ideal hinges, and a warning of its start."""

@@ -31,7 +31,7 @@ pub struct InitialConfiguration {
     /// Their rates \[m/s, m/s, rad/s\].
     pub velocities: Vec<[f64; 3]>,
     /// Surfaces of the contacts of a static equilibrium, with whose stiffness it was found, as numbers from 0: bushing, sprocket, surface of
-    /// the tooth. Contacts that are not listed begin on the nearest surface.
+    /// the tooth; of a mechanism contact, side and piece of the profile. Contacts that are not listed begin on the nearest surface.
     pub surfaces: Vec<[usize; 3]>,
 }
 

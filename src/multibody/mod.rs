@@ -17,6 +17,7 @@ pub(crate) mod model;
 pub(crate) mod newton;
 pub(crate) mod report;
 pub(crate) mod singular;
+mod statics;
 mod step;
 mod system;
 pub(crate) mod views;

@@ -23,6 +23,7 @@ const FAR: f64 = 0.01;
 
 /// Return the run of a drive with ideal hinges, and a warning of its assembly for a user's start.
 #[pyfunction]
+#[pyo3(signature = (drive, force_law, hinge_law, tooth_law, min_impact_velocity, solver, positions, velocities, surfaces=Vec::new()))]
 #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
 pub(super) fn ideal_core(
     drive: &Bound<'_, PyAny>,
@@ -33,6 +34,7 @@ pub(super) fn ideal_core(
     solver: &Bound<'_, PyAny>,
     positions: Option<PyReadonlyArray2<'_, f64>>,
     velocities: Option<PyReadonlyArray2<'_, f64>>,
+    surfaces: Vec<[usize; 3]>,
 ) -> PyResult<(Core, Option<String>)> {
     let py = drive.py();
     let description = describe::drive(drive)?;
@@ -49,7 +51,7 @@ pub(super) fn ideal_core(
         &description,
         positions.as_ref(),
         velocities.as_ref(),
-        Vec::new(),
+        surfaces,
     )?;
     let raised = Raised::default();
     let made = contained(|| {

@@ -1,13 +1,16 @@
 //! Layouts for Python: properties of a layout, static equilibrium, number of links and centres that close a chain.
 
-use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::arrays::table;
 use super::describe;
+use super::drive_mechanism::drive_contacts;
 use super::errors::{InvalidInput, to_python};
 use super::interrupt::interruptible;
-use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
+use super::mechanism::mechanism;
+use super::mechanism_callable::{Raised, take};
+use crate::drive::{BeltLine, Drive, HingeKind, MOST_LINKS, check_links};
 use crate::error::{Error, check};
 use crate::geometry::Vec2;
 use crate::layout::InitialConfiguration;
@@ -85,8 +88,7 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     Ok(found)
 }
 
-/// Find the static equilibrium of a drive: positions, velocities and tooth surfaces (bushing, sprocket, surface, from 0) at the start of a
-/// run, and the residual.
+/// Find the static equilibrium of a drive: positions, velocities and surfaces at the start of a run, and the residual.
 #[pyfunction]
 pub(super) fn static_start<'py>(
     drive: &Bound<'py, PyAny>,
@@ -98,19 +100,36 @@ pub(super) fn static_start<'py>(
     let py = drive.py();
     let description = describe::drive(drive)?;
     let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
-    let rest = interruptible(py, |give_up| {
-        Equilibrium::find_unless(&description, &laws, give_up)
+    let ideal = (description.hinge_kind == HingeKind::Ideal)
+        .then(|| drive_contacts(tooth_law.unwrap_or(force_law), min_impact_velocity))
+        .transpose()?;
+    let rest = interruptible(py, |give_up| match &ideal {
+        Some(contacts) => Equilibrium::of_ideal_drive(&description, contacts, give_up),
+        None => Equilibrium::find_unless(&description, &laws, give_up),
     })?;
-    let rest = describe::checked(py, rest)?;
+    rest_values(py, describe::checked(py, rest)?)
+}
+
+/// Find the static equilibrium of a mechanism: positions, velocities and surfaces at the start of a run, and the residual.
+#[pyfunction]
+pub(super) fn mechanism_static_start<'py>(
+    description: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = description.py();
+    let raised = Raised::default();
+    let description = mechanism(description, &raised)?;
+    let rest = interruptible(py, |give_up| {
+        Equilibrium::of_mechanism(&description, give_up)
+    });
+    take(&raised)?;
+    rest_values(py, describe::checked(py, rest?)?)
+}
+
+/// Return the values of an equilibrium.
+fn rest_values(py: Python<'_>, rest: Equilibrium) -> PyResult<Bound<'_, PyDict>> {
     let found = PyDict::new(py);
-    for (name, rows) in [
-        ("positions", rest.start.positions),
-        ("velocities", rest.start.velocities),
-    ] {
-        let count = rows.len();
-        let flat: Vec<f64> = rows.into_iter().flatten().collect();
-        found.set_item(name, flat.into_pyarray(py).reshape([count, 3])?)?;
-    }
+    found.set_item("positions", table(py, rest.start.positions)?)?;
+    found.set_item("velocities", table(py, rest.start.velocities)?)?;
     found.set_item("surfaces", rest.start.surfaces)?;
     found.set_item("residual", rest.residual)?;
     found.set_item("largest_force", rest.largest_force)?;

@@ -2,14 +2,17 @@
 
 use std::sync::Arc;
 
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
+use super::arrays::rows;
 use super::core::Core;
 use super::describe::{Reader, checked, friction, number, refuse, signal, table, truth};
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom, take};
 use super::mechanism_contact::contact;
 use super::starts::interrupted;
+use crate::layout::InitialConfiguration;
 use crate::multibody::{
     Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
     PinFriction, SpringLaw,
@@ -250,21 +253,36 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
     Ok(ForceElement { name, a, b, kind })
 }
 
-/// Return a run of a mechanism.
+/// Return a run of a mechanism. It begins at `positions` with `velocities`, by default those described, and its contacts on `surfaces`, by
+/// default the nearest.
 #[pyfunction]
-#[pyo3(name = "MechanismCore")]
+#[pyo3(name = "MechanismCore", signature = (description, solver, positions=None, velocities=None, surfaces=Vec::new()))]
+#[allow(clippy::needless_pass_by_value)] // PyO3 passes arrays by value
 pub(super) fn mechanism_core(
     description: &Bound<'_, PyAny>,
     solver: &Bound<'_, PyAny>,
+    positions: Option<PyReadonlyArray2<'_, f64>>,
+    velocities: Option<PyReadonlyArray2<'_, f64>>,
+    surfaces: Vec<[usize; 3]>,
 ) -> PyResult<Core> {
     let py = description.py();
     let raised = Raised::default();
     let description = mechanism(description, &raised)?;
     let control = super::describe::solver(solver)?;
+    let positions = rows(py, "positions", positions.as_ref())?;
+    let velocities = rows(py, "velocities", velocities.as_ref())?;
     let made = contained(|| {
-        let model = Arc::new(MechanismModel::compile(&description)?);
+        let model = MechanismModel::compile(&description)?;
         let give_up = || interrupted(py, &raised);
-        MechanismSimulation::assemble_unless(model, control, &give_up)
+        let (Some(positions), Some(velocities)) = (positions, velocities) else {
+            return MechanismSimulation::assemble_unless(Arc::new(model), control, &give_up);
+        };
+        let start = InitialConfiguration {
+            positions,
+            velocities,
+            surfaces,
+        };
+        MechanismSimulation::assemble_from(model, &start, control, &give_up)
     });
     take(&raised)?;
     let mut simulation = AnySimulation::Mechanism(checked(py, made)?);

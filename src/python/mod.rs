@@ -39,6 +39,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(layouts::closing_center_distance, module)?)?;
     module.add_function(wrap_pyfunction!(layouts::links_for, module)?)?;
     module.add_function(wrap_pyfunction!(layouts::static_start, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::mechanism_static_start, module)?)?;
     module.add_function(wrap_pyfunction!(layouts::strand_names, module)?)?;
     module.add_function(wrap_pyfunction!(layouts::links_around, module)?)?;
     module.add_function(wrap_pyfunction!(layouts::bisector, module)?)?;

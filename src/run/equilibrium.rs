@@ -1,4 +1,4 @@
-//! Static equilibrium of a drive: links at rest with motors held, all loads applied and the tensioner at full force.
+//! Static equilibrium of a drive or a mechanism: at rest with motors held, all loads applied and the tensioner at full force.
 //!
 //! Newton's method on the forces, from rest in every iteration: a step of backward Euler of length γ, (M - γ² K) Δq = γ² Q. For long γ this
 //! is Newton's step; for short γ it is a slow motion along the forces. γ grows while the forces decrease. No hinge opens or turns by more
@@ -6,6 +6,8 @@
 
 mod held_drive;
 mod refusal;
+mod resting_drive;
+mod resting_mechanism;
 mod settling;
 mod velocities;
 
@@ -14,16 +16,20 @@ use std::sync::Arc;
 use crate::chain::model::{ForceLaws, Model};
 use crate::drive::Drive;
 use crate::error::{Error, Result};
-use crate::layout::InitialConfiguration;
+use crate::layout::{InitialConfiguration, Layout};
+use crate::multibody::{DriveContacts, Mechanism, MechanismModel};
 use held_drive::{held, lay_taut};
-use settling::Settling;
+use resting_drive::RestingDrive;
+use resting_mechanism::RestingMechanism;
+use settling::{Settled, settle};
 
-/// Drive in static equilibrium.
+/// Drive or mechanism in static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Positions in equilibrium, the surfaces of its contacts, and velocities with which the run continues from there.
     pub start: InitialConfiguration,
-    /// Largest unbalanced force on a body \[N\]; moments of links are divided by half the pitch.
+    /// Largest unbalanced force on a body \[N\]; moments of links are divided by half the pitch, those of bodies of mechanisms by the
+    /// distance of their farthest joint or contact.
     pub residual: f64,
     /// Largest contact force \[N\].
     pub largest_force: f64,
@@ -50,11 +56,7 @@ impl Equilibrium {
         give_up: &dyn Fn() -> bool,
     ) -> Result<Self> {
         let (laid, layout) = lay_taut(drive, give_up)?;
-        let at_rest = InitialConfiguration {
-            positions: laid.positions.clone(),
-            velocities: vec![[0.0; 3]; laid.velocities.len()],
-            ..InitialConfiguration::default()
-        };
+        let at_rest = still(&laid);
         // Nothing slides at rest: friction that does not stick, and a lubricant film, carry no load.
         let frictionless = ForceLaws {
             hinge_friction: None,
@@ -65,39 +67,111 @@ impl Equilibrium {
             ..*laws
         };
         let model = Model::compile(&held(drive, &layout), &frictionless, &at_rest)?;
-        let model = Arc::new(model);
-        let mut settling = Settling::new(model, &at_rest);
-        let residual = settling.settle(give_up).map_err(|residual| {
-            Error::Impossible(format!(
-                "start=\"static\": the drive does not come to rest: {residual:.3e} N are left unbalanced after {} iterations, beside \
-                 contacts of {:.3e} N; {}",
-                settling.iterations,
-                settling.largest_force(),
-                refusal::causes(drive, &layout)
-            ))
+        let mut resting = RestingDrive::new(Arc::new(model), &at_rest);
+        let settled = settle(&mut resting, give_up).map_err(|failed| {
+            let causes = refusal::causes(drive, &layout);
+            refuse("drive", &failed, resting.largest_force(), &causes)
         })?;
-        let largest_force = settling.largest_force();
-        let positions = settling.places.positions();
-        if let Some(why) = refusal::slid(drive, &layout, &laid.positions, &positions) {
-            return Err(Error::Impossible(format!("start=\"static\": {why}")));
-        }
-        let mut start = if drive.ends.is_some() {
-            InitialConfiguration { positions, ..laid }
-        } else {
-            laid.moved_to(
-                positions,
-                &layout,
-                &drive.chain.link_pitches(),
-                drive.chain.roller.is_some(),
-            )
-        };
-        settling.move_along_contacts(&mut start);
-        start.surfaces = settling.dynamics.stored_surfaces();
-        Ok(Self {
-            start,
-            residual,
-            largest_force,
-            iterations: settling.iterations,
-        })
+        let largest_force = resting.largest_force();
+        let mut start = moved(drive, (laid, &layout), resting.body_positions())?;
+        resting.move_along_contacts(&mut start);
+        start.surfaces = resting.dynamics.stored_surfaces();
+        Ok(Self::of(start, &settled, largest_force))
     }
+
+    /// Find the static equilibrium of `drive` with ideal hinges, from its generated configuration; `give_up` as of
+    /// [`Self::find_unless`].
+    ///
+    /// # Errors
+    /// As of [`Self::find`], or if a part of the drive has no counterpart in a mechanism.
+    pub fn of_ideal_drive(
+        drive: &Drive,
+        contacts: &DriveContacts,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Self> {
+        let (laid, layout) = lay_taut(drive, give_up)?;
+        let mechanism =
+            Mechanism::from_drive(&held(drive, &layout), contacts, Some(&still(&laid)))?;
+        let model = MechanismModel::compile(&mechanism)?.held();
+        let mut resting = RestingMechanism::assemble(model, give_up)?;
+        let settled = settle(&mut resting, give_up).map_err(|failed| {
+            let causes = refusal::causes(drive, &layout);
+            refuse("drive", &failed, resting.largest_force(), &causes)
+        })?;
+        let largest_force = resting.largest_force();
+        let mut positions = resting.dynamics.motion(false);
+        positions.truncate(laid.positions.len());
+        let mut start = moved(drive, (laid, &layout), positions)?;
+        resting.move_along_contacts(&mut start.velocities);
+        start.surfaces = resting.dynamics.stored_surfaces();
+        Ok(Self::of(start, &settled, largest_force))
+    }
+
+    /// Find the static equilibrium of `mechanism` from its described positions, with its drivers at their initial positions; `give_up` as
+    /// of [`Self::find_unless`]. The velocities are those described.
+    ///
+    /// # Errors
+    /// If the mechanism is invalid or cannot be assembled, or there is no equilibrium because nothing holds a load, with the remaining
+    /// force and the body.
+    pub fn of_mechanism(mechanism: &Mechanism, give_up: &dyn Fn() -> bool) -> Result<Self> {
+        let model = MechanismModel::compile(mechanism)?.held();
+        let mut resting = RestingMechanism::assemble(model, give_up)?;
+        let settled = settle(&mut resting, give_up).map_err(|failed| {
+            let causes = resting.causes();
+            refuse("mechanism", &failed, resting.largest_force(), &causes)
+        })?;
+        let start = InitialConfiguration {
+            positions: resting.dynamics.motion(false),
+            velocities: mechanism.bodies.iter().map(|body| body.velocity).collect(),
+            surfaces: resting.dynamics.stored_surfaces(),
+        };
+        Ok(Self::of(start, &settled, resting.largest_force()))
+    }
+
+    fn of(start: InitialConfiguration, settled: &Settled, largest_force: f64) -> Self {
+        Self {
+            start,
+            residual: settled.residual,
+            largest_force,
+            iterations: settled.iterations,
+        }
+    }
+}
+
+/// Return the configuration without velocities.
+fn still(laid: &InitialConfiguration) -> InitialConfiguration {
+    InitialConfiguration {
+        positions: laid.positions.clone(),
+        velocities: vec![[0.0; 3]; laid.velocities.len()],
+        surfaces: Vec::new(),
+    }
+}
+
+/// Return the start of a drive at `positions`, with the velocities of its layout.
+fn moved(
+    drive: &Drive,
+    (laid, layout): (InitialConfiguration, &Layout),
+    positions: Vec<[f64; 3]>,
+) -> Result<InitialConfiguration> {
+    if let Some(why) = refusal::slid(drive, layout, &laid.positions, &positions) {
+        return Err(Error::Impossible(format!("start=\"static\": {why}")));
+    }
+    let rollers = drive.chain.roller.is_some();
+    Ok(if drive.ends.is_some() {
+        InitialConfiguration { positions, ..laid }
+    } else {
+        laid.moved_to(positions, layout, &drive.chain.link_pitches(), rollers)
+    })
+}
+
+/// Return the error of a search without equilibrium.
+fn refuse(what: &str, failed: &Settled, largest_force: f64, causes: &str) -> Error {
+    let Settled {
+        residual,
+        iterations,
+    } = failed;
+    Error::Impossible(format!(
+        "start=\"static\": the {what} does not come to rest: {residual:.3e} N are left unbalanced after {iterations} iterations, beside \
+         contacts of {largest_force:.3e} N; {causes}"
+    ))
 }

@@ -56,7 +56,8 @@ impl IdealDrive {
     ) -> Result<(Self, InitialConfiguration)> {
         let mechanism = Mechanism::from_drive(drive, contacts, start)?;
         let model = Arc::new(MechanismModel::compile(&mechanism)?);
-        let run = MechanismSimulation::assemble_unless(model, control, give_up)?;
+        let surfaces = start.map_or(&[][..], |start| &start.surfaces);
+        let run = MechanismSimulation::assemble_on(model, surfaces, control, give_up)?;
         let view = DriveView::new(drive, run.model())?;
         let placed = &mechanism.bodies[..view.bodies()];
         let placed = InitialConfiguration {

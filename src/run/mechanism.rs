@@ -7,6 +7,7 @@ use super::simulation::Simulation;
 use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, OdeSystem, StepControl};
+use crate::layout::InitialConfiguration;
 use crate::math::Signal;
 use crate::multibody::{Assembly, Body, MechanismDynamics, MechanismGroups, MechanismModel};
 use crate::system::Recording;
@@ -32,6 +33,33 @@ impl Simulation<MechanismDynamics> {
         control: StepControl,
         give_up: &dyn Fn() -> bool,
     ) -> Result<Self> {
+        Self::assemble_on(model, &[], control, give_up)
+    }
+
+    /// Return a run as of [`Self::assemble_unless`] that begins at `start`, such as that of an [`Equilibrium`](crate::Equilibrium). Lengths
+    /// and angles that are not described remain those of the described positions.
+    ///
+    /// # Errors
+    /// As of [`Self::assemble_unless`], or if there is not one row for each body, or a surface does not exist.
+    pub fn assemble_from(
+        model: MechanismModel,
+        start: &InitialConfiguration,
+        control: StepControl,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Self> {
+        let model = model.placed(&start.positions, &start.velocities)?;
+        let model = Arc::new(model);
+        Self::assemble_on(model, &start.surfaces, control, give_up)
+    }
+
+    /// Return a run as of [`Self::assemble_unless`]; `surfaces`: contact, side and piece of its profile, from 0, of contacts that do not
+    /// begin on the nearest piece.
+    pub(crate) fn assemble_on(
+        model: Arc<MechanismModel>,
+        surfaces: &[[usize; 3]],
+        control: StepControl,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Self> {
         control.validate()?;
         let mut dynamics = MechanismDynamics::new(model);
         let y = dynamics.assemble_for_run(give_up)?;
@@ -39,6 +67,7 @@ impl Simulation<MechanismDynamics> {
         adams.restart(0.0, &y);
         dynamics.evaluate_inside(&adams, 0.0);
         dynamics.remember_present_contacts();
+        dynamics.store_surfaces(surfaces)?;
         Ok(Self::of(dynamics, adams))
     }
 

@@ -44,10 +44,12 @@ class Scene(Description):
         Method and tolerances; by default ``Solver()`` for drives, and for mechanisms
         ``Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)``.
     start : {"generated", "static"}
-        The generated configuration, with nothing in contact; or the static equilibrium under
-        gravity, the loads of the first instant and the full tensioner force, which then has no
-        ramp. The sprockets' speeds are those of the generated start. "static" is for drives with
-        clearance in their hinges.
+        The generated configuration of a drive, with nothing in contact, or the described positions
+        of a mechanism; or the static equilibrium under gravity, the loads of the first instant and
+        the full tensioner force, which then has no ramp. The search begins at the generated or
+        described positions, with motors and drivers held there, and without friction. The
+        sprockets' speeds are those of the generated start, the velocities of a mechanism those
+        described.
     positions, velocities : array_like, (bodies, 3), optional
         Initial positions [m, m, rad] and velocities [m/s, m/s, rad/s]; by default the generated.
         Positions need velocities with them; velocities alone go with the generated positions. What
@@ -164,16 +166,13 @@ class Scene(Description):
         if not isinstance(self.start, str) or self.start not in get_args(Start):
             msg = f"start = {shown(self.start)}: must be 'generated' or 'static'"
             raise InvalidInput(msg)
-        if self.start == "static":
-            if self.positions is not None or self.velocities is not None:
-                msg = (
-                    "start = 'static': the positions are those of the equilibrium; leave out "
-                    "positions and velocities"
-                )
-                raise InvalidInput(msg)
-            if self.kind != "clearance":
-                msg = "start = 'static': only for drives with clearance in their hinges"
-                raise InvalidInput(msg)
+        given = self.positions is not None or self.velocities is not None
+        if self.start == "static" and given:
+            msg = (
+                "start = 'static': the positions are those of the equilibrium; leave out "
+                "positions and velocities"
+            )
+            raise InvalidInput(msg)
         if self.positions is not None and self.velocities is None:
             msg = (
                 "velocities = None: must be given when positions are; those of the generated start "

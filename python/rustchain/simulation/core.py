@@ -28,23 +28,31 @@ def keywords_of(scene: Scene) -> dict[str, Any]:
 
 
 def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
-    """Return positions and velocities that a drive begins with, and how well it then rests.
+    """Return positions and velocities that a scene begins with, and how well it then rests.
 
-    They are None where the core takes the generated ones. A static start has tooth surfaces, too.
+    They are None where the core takes the generated ones. A static start has the surfaces of its
+    contacts, too.
     """
     if scene.start == "generated":
         given = {"positions": scene.positions, "velocities": scene.velocities}
         return {name: _array(rows) for name, rows in given.items()}, None
-    keywords = keywords_of(scene)
-    del keywords["solver"]
-    found = _rustchain.static_start(**keywords)
+    if isinstance(scene.system, Mechanism):
+        found = _rustchain.mechanism_static_start(scene.system)
+    else:
+        keywords = keywords_of(scene)
+        del keywords["solver"]
+        found = _rustchain.static_start(**keywords)
     return {name: found.pop(name) for name in ("positions", "velocities", "surfaces")}, found
 
 
 def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
     """Return the compiled core of a scene that begins at `place`."""
     if isinstance(scene.system, Mechanism):
-        core = _rustchain.MechanismCore(_placed(scene.system, place), scene.solver)
+        if scene.start == "static":
+            # Rest lengths that are not described are those of the described positions.
+            core = _rustchain.MechanismCore(scene.system, scene.solver, **place)
+        else:
+            core = _rustchain.MechanismCore(_placed(scene.system, place), scene.solver)
         # As described: the angles of a later state may be many turns.
         for text in (*core.check()["warnings"], *implausible_inputs(scene.system)):
             warn_caller(text)

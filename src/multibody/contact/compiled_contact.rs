@@ -2,6 +2,7 @@
 
 use super::impact_memory::{Memory, SideState};
 use super::outline::{ContactPoint, Outline, Place, is_tight};
+use super::step_bound::FARTHEST;
 use crate::error::Result;
 use crate::force_law::HingeFilm;
 use crate::geometry::Contact;
@@ -323,6 +324,19 @@ impl CompiledContact {
     /// Return whether the material of a closed outline lies outside the outline.
     pub(crate) fn is_hole(&self) -> bool {
         self.outline.is_some() && !self.is_open() && self.reach.is_infinite()
+    }
+
+    /// Return the number of pieces of the profile.
+    pub(crate) fn pieces(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Return the clearance of a pin in a bore, and a quarter of the circle's radius for other profiles \[m\].
+    pub(crate) fn play(&self) -> f64 {
+        match &self.profile {
+            Profile::Bore { radius } if *radius > self.radius => radius - self.radius,
+            _ => FARTHEST * self.radius,
+        }
     }
 
     pub(crate) fn profile(&self) -> &Profile {

@@ -130,6 +130,17 @@ impl ImplicitMatrix {
 }
 
 impl MechanismDynamics {
+    /// Assemble and factorise the sparse matrix at the last evaluation, near singular positions too; return whether it is regular.
+    pub(crate) fn factorise_here(&mut self, gamma: f64) -> bool {
+        let taken = self.corrector.matrix.take();
+        let mut matrix = taken.unwrap_or_else(|| Box::new(ImplicitMatrix::new(&self.model)));
+        matrix.by_differences = None;
+        self.corrector.stage.gamma = gamma;
+        let regular = self.linearise(&mut matrix, gamma);
+        self.corrector.matrix = Some(matrix);
+        regular
+    }
+
     /// Assemble and factorise the matrix at the last evaluation; return whether it is regular.
     fn linearise(&self, matrix: &mut ImplicitMatrix, gamma: f64) -> bool {
         matrix.saddle.clear();
@@ -230,22 +241,19 @@ impl SecondOrderSystem for MechanismDynamics {
     }
 
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
-        let taken = self.corrector.matrix.take();
-        let mut matrix = taken.unwrap_or_else(|| Box::new(ImplicitMatrix::new(&self.model)));
         let kkt = self.constraints.kkt.as_ref();
         let nearness = kkt.map_or(f64::INFINITY, SparseKkt::independence);
         // Near a singular position the accelerations are interpolated, and the sparse matrix of one state does not apply.
         let singular = !self.corrector.stage.active && nearness < self.constraints.near_singular;
+        if !singular || self.model.coordinates() > MOST_BY_DIFFERENCES {
+            return self.factorise_here(gamma);
+        }
+        let taken = self.corrector.matrix.take();
+        let mut matrix = taken.unwrap_or_else(|| Box::new(ImplicitMatrix::new(&self.model)));
         self.corrector.stage.gamma = gamma;
-        let regular = if singular && self.model.coordinates() <= MOST_BY_DIFFERENCES {
-            let factors = self.matrix_by_differences(y, gamma);
-            let regular = factors.is_invertible();
-            matrix.by_differences = Some(factors);
-            regular
-        } else {
-            matrix.by_differences = None;
-            self.linearise(&mut matrix, gamma)
-        };
+        let factors = self.matrix_by_differences(y, gamma);
+        let regular = factors.is_invertible();
+        matrix.by_differences = Some(factors);
         self.corrector.matrix = Some(matrix);
         regular
     }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::settling::Settling;
+use super::resting_drive::RestingDrive;
+use super::resting_mechanism::RestingMechanism;
+use super::settling::Resting;
 use crate::chain::model::Rotation;
 use crate::chain::motion::Motion as Places;
 use crate::integrator::SecondOrderSystem;
@@ -15,7 +17,13 @@ const TRAVEL_ROUNDS: u32 = 10;
 /// Displacement of the bodies along their velocities for differences of the forces \[m\].
 const SMALL_MOVE: f64 = 1e-10;
 
-impl Settling {
+/// Return the largest component of the velocities of the centres of mass \[m/s\].
+fn fastest(velocities: &[[f64; 3]]) -> f64 {
+    let components = velocities.iter().flat_map(|[x, y, _]| [x, y]);
+    components.fold(0.0, |most: f64, v| most.max(v.abs()))
+}
+
+impl RestingDrive {
     /// Change the velocities of a start at these positions until no loaded contact is approached and no link is stretched.
     ///
     /// K is the slope of the forces with all positions and with the motors' angles. The change -(M + γ² K)⁻¹ γ² K v removes from v what the
@@ -23,8 +31,7 @@ impl Settling {
     /// slowly, such as a load, keep their speed.
     pub(super) fn move_along_contacts(&mut self, start: &mut InitialConfiguration) {
         for _ in 0..TRAVEL_ROUNDS {
-            let fastest = start.velocities.iter().flat_map(|[x, y, _]| [x, y]);
-            let fastest = fastest.fold(0.0, |most: f64, v| most.max(v.abs()));
+            let fastest = fastest(&start.velocities);
             if fastest == 0.0 || !self.take_out_approaches(start, SMALL_MOVE / fastest) {
                 return;
             }
@@ -83,5 +90,51 @@ impl Settling {
         let mut y = vec![0.0; 2 * coordinates];
         bodies.write(&model, &mut y);
         y.split_off(coordinates)
+    }
+}
+
+impl RestingMechanism {
+    /// Change the velocities of a drive with ideal hinges likewise, and to those that the joints permit; drivers keep their speeds.
+    pub(super) fn move_along_contacts(&mut self, velocities: &mut [[f64; 3]]) {
+        let first = self.dynamics.model.first[1..].to_vec();
+        let mut v = vec![0.0; self.positions().len()];
+        for (first, velocity) in first.iter().zip(&*velocities) {
+            if let Some(i) = *first {
+                v[i..i + 3].copy_from_slice(velocity);
+            }
+        }
+        for _ in 0..TRAVEL_ROUNDS {
+            let fastest = fastest(velocities);
+            if fastest == 0.0 || !self.take_out_approaches(&mut v, SMALL_MOVE / fastest) {
+                break;
+            }
+        }
+        for (first, velocity) in first.iter().zip(velocities) {
+            if let Some(i) = *first {
+                velocity.copy_from_slice(&v[i..i + 3]);
+            }
+        }
+    }
+
+    /// Perform one round, as of a drive with clearance, with the velocities of all coordinates.
+    fn take_out_approaches(&mut self, velocities: &mut [f64], moment: f64) -> bool {
+        let here = self.positions().to_vec();
+        let moved = here.iter().zip(&*velocities);
+        let moved: Vec<f64> = moved.map(|(q, v)| q + moment * v).collect();
+        let mut change = self.accelerations_at(&moved);
+        for (change, here) in change.iter_mut().zip(self.accelerations_at(&here)) {
+            *change = (*change - here) * TRAVEL_GAMMA * TRAVEL_GAMMA / moment;
+        }
+        if !self.factorise(TRAVEL_GAMMA) {
+            return false;
+        }
+        self.dynamics.correct(&mut change);
+        // The layout has no ideal hinges. The change of its velocities to those that the joints permit is weighted by the same matrix.
+        let residual = self.dynamics.joint_rates(velocities);
+        (self.dynamics.corrector).correct_constraints(&residual, &mut change);
+        for (v, change) in velocities.iter_mut().zip(&change) {
+            *v += change;
+        }
+        true
     }
 }

@@ -360,12 +360,14 @@ def test_a_start_of_ones_own_is_where_the_simulation_begins(scene):
     assert made.scene.positions == tuple(map(tuple, positions))
 
 
-def test_a_static_start_is_for_clearance_hinges(scene):
-    if scene.kind == "clearance":
-        assert rc.Simulation(scene, start="static").rest["residual"] < 1e-6
-    else:
-        with pytest.raises(rc.InvalidInput, match="start = 'static': only for drives with cl"):
-            replace(scene, start="static")
+def test_a_static_start_balances_all_forces_and_keeps_the_speeds_of_motors(scene):
+    simulation = rc.Simulation(scene, start="static")
+    assert simulation.rest["residual"] < 1e-6 * max(simulation.rest["largest_force"], 1.0)
+    _, body = INPUTS[scene.kind][0]
+    number = simulation.body_names.index(body)
+    generated = rc.Simulation(scene)
+    assert simulation.velocities[number, 2] == pytest.approx(generated.velocities[number, 2])
+    assert simulation.run(DURATION, STEP, progress=False).success
 
 
 def test_a_sweep_runs_to_the_bits_of_single_runs(scene):

@@ -1,0 +1,167 @@
+//! Statics of a mechanism: drivers held, loads of the first instant, forces and displacements of an iteration to equilibrium.
+
+use super::assembly::projection::AtHand;
+use super::description::driver::Motion;
+use super::description::force_element::ForceKind;
+use super::dynamics::MechanismDynamics;
+use super::forces::loads::Loads;
+use super::model::MechanismModel;
+use super::step::ITERATIONS;
+use crate::error::{Error, Result};
+
+impl MechanismModel {
+    /// Return the model with its drivers held at their initial positions, and torques over speed at the initial speeds.
+    ///
+    /// Nothing slides at rest: friction and lubricant films carry no load.
+    #[must_use]
+    pub(crate) fn held(mut self) -> Self {
+        for motion in self.equations.iter_mut().filter_map(|e| e.motion.as_mut()) {
+            let [place, _, _] = motion.derivatives(0.0);
+            *motion = Motion::Position(place.into());
+        }
+        let frames = self.start_frames();
+        for force in &mut self.forces {
+            if matches!(force.kind, ForceKind::TorqueBySpeed(_)) {
+                force.kind = ForceKind::Torque(force.torque(0.0, &frames).into());
+            }
+        }
+        for contact in &mut self.contacts {
+            (contact.friction, contact.film) = (None, None);
+        }
+        self.bristle_of_side.fill(None);
+        self.bristles = 0;
+        self.pins.clear();
+        self
+    }
+
+    /// Return the model with its bodies at other positions and velocities. Lengths and angles that are not described remain those of the
+    /// described positions.
+    ///
+    /// # Errors
+    /// If there is not one row for each body.
+    pub(crate) fn placed(
+        mut self,
+        positions: &[[f64; 3]],
+        velocities: &[[f64; 3]],
+    ) -> Result<Self> {
+        let bodies = self.bodies.len() - 1;
+        for (field, rows) in [("positions", positions), ("velocities", velocities)] {
+            if rows.len() != bodies {
+                return Err(Error::invalid(
+                    field,
+                    format!("{} rows", rows.len()),
+                    format!("needs one row (3 numbers) for each of the {bodies} bodies"),
+                ));
+            }
+        }
+        let rows = positions.iter().zip(velocities);
+        for (body, (position, velocity)) in self.bodies[1..].iter_mut().zip(rows) {
+            (body.position, body.velocity) = (*position, *velocity);
+        }
+        Ok(self)
+    }
+}
+
+impl MechanismDynamics {
+    /// Return the largest load on a body by its weight, a force element or a joint at the last evaluation \[N\]; moments are divided by the
+    /// `lengths` of the angles.
+    pub(crate) fn largest_load(&self, lengths: &[f64]) -> f64 {
+        let model = &self.model;
+        let of_body = |body: usize, load: [f64; 3]| {
+            model.first[body].map_or(0.0, |i| {
+                load[0].hypot(load[1]).max(load[2].abs() / lengths[i + 2])
+            })
+        };
+        let weights = model.first.iter().zip(&model.bodies);
+        let weights = weights.filter(|(first, _)| first.is_some());
+        let weights = weights.map(|(_, body)| body.mass * model.gravity.norm());
+        let mut largest = weights.fold(0.0, f64::max);
+        let mut loads = Loads::new(model.bodies.len(), 0);
+        for force in &model.forces {
+            for body in [force.a.body, force.b.body] {
+                loads.on[body] = [0.0; 3];
+            }
+            force.add(0.0, &self.frames, &mut loads);
+            for body in [force.a.body, force.b.body] {
+                largest = largest.max(of_body(body, loads.on[body]));
+            }
+        }
+        for (row, lambda) in self
+            .constraints
+            .rows
+            .iter()
+            .zip(&self.constraints.multipliers)
+        {
+            for (&body, part) in row.bodies.iter().zip(&row.jacobian) {
+                largest = largest.max(of_body(body, part.map(|part| lambda * part)));
+            }
+        }
+        largest
+    }
+
+    /// Return of each contact the speed of the circle relative to the profile \[m/s\], a lower bound of the gap \[m\], and the clearance in
+    /// a bore or a quarter of the circle's radius elsewhere \[m\], at the last evaluation and the present velocities.
+    pub(crate) fn contact_moves(&self) -> impl Iterator<Item = [f64; 3]> {
+        let contacts = self.model.contacts.iter().zip(&self.contacts.deepest);
+        contacts.map(|(contact, [depth, _])| {
+            let frames = [contact.a.body, contact.b.body].map(|body| &self.frames[body]);
+            let speed = contact.approach(frames[0], frames[1]).norm();
+            [speed, -depth, contact.play()]
+        })
+    }
+
+    /// Return the rate of each constraint at the last evaluation for these velocities; zero for drivers.
+    pub(crate) fn joint_rates(&self, velocities: &[f64]) -> Vec<f64> {
+        let mut rates = vec![0.0; self.constraints.rows.len()];
+        self.constraints
+            .write_product(&self.model, velocities, &mut rates);
+        for (rate, equation) in rates.iter_mut().zip(&self.model.equations) {
+            if equation.motion.is_some() {
+                *rate = 0.0;
+            }
+        }
+        rates
+    }
+
+    /// Project positions near the last evaluation onto the constraints; return whether the remaining residual is accepted.
+    ///
+    /// The change is that of the matrix of the last step, in which contacts are stiff.
+    pub(crate) fn project_at_rest(&mut self, state: &mut [f64]) -> bool {
+        self.projector()
+            .project(0.0, state, ITERATIONS, AtHand::Corrector)
+    }
+
+    /// Return contact, side and piece of the profile, from 0, of all sides with a memory.
+    pub(crate) fn stored_surfaces(&self) -> Vec<[usize; 3]> {
+        let sides = self.model.sides.iter().zip(&self.contacts.memory);
+        let live = sides.filter(|(_, memory)| memory.is_in_contact());
+        live.map(|(&(contact, side), memory)| [contact, side, memory.piece])
+            .collect()
+    }
+
+    /// Change the pieces of the memory to those of a static equilibrium: `surfaces` as of [`Self::stored_surfaces`].
+    ///
+    /// # Errors
+    /// If there is no such contact, side or piece.
+    pub(crate) fn store_surfaces(&mut self, surfaces: &[[usize; 3]]) -> Result<()> {
+        for &[contact, side, piece] in surfaces {
+            let sides = self.model.sides_of_contact.get(contact);
+            let k = sides.and_then(|sides| sides.clone().nth(side));
+            let exists = |k: &usize| {
+                piece < self.model.contacts[contact].pieces() && *k < self.contacts.memory.len()
+            };
+            let Some(k) = k.filter(exists) else {
+                return Err(Error::invalid(
+                    "surfaces",
+                    format!("({contact}, {side}, {piece})"),
+                    "must have a contact, a side and a piece of its profile, each counted from 0",
+                ));
+            };
+            let memory = &mut self.contacts.memory[k];
+            if memory.is_in_contact() {
+                memory.piece = piece;
+            }
+        }
+        Ok(())
+    }
+}
