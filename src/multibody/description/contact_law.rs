@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn teeth_have_the_stiffness_of_a_drive_beside_flats_and_edges() {
         let (radius, length, contact_modulus, depth) = (0.00395, 0.01, 1e11, 2e-6);
-        for (profile, elastic) in [0.0, 5e-4, 1e-2].into_iter().flat_map(|edge_radius| {
+        for (profile, elastic) in [0.0, 2e-4, 5e-4].into_iter().flat_map(|edge_radius| {
             let profile = straight(edge_radius);
             [Elastic::Hertz, Elastic::Johnson].map(|elastic| (profile.clone(), elastic))
         }) {
@@ -325,11 +325,14 @@ mod tests {
             let of_drive = tooth_surfaces(&profile, radius, length, contact_modulus);
             let curvatures = Profile::Teeth(Box::new(profile)).curvatures(radius);
             assert!(curvatures.len() >= 2 && curvatures.len() == of_drive.len());
+            assert!(matches!(curvatures[1], Curvature::FlatBefore(_)));
             for (pair, curvature) in of_drive.iter().zip(curvatures) {
                 let found = law.prepare("x", radius, curvature).unwrap();
                 let expected = ElasticPair::prepare(elastic, pair).force(depth);
                 let found = found.force(depth, 0.0, 0.0).elastic;
-                assert!(expected > 0.0 && found == expected, "{curvature:?}");
+                // A sharp edge has no finite stiffness.
+                assert!(found == expected || found.is_nan() && expected.is_nan());
+                assert!(expected > 0.0 || curvature == Curvature::Convex(0.0));
             }
         }
     }
