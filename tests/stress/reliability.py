@@ -183,14 +183,19 @@ def row_of_pytest(promise: str, paths: Iterable[str], chosen: str) -> Row:
     return Row(promise, files, suite["tests"] - suite["skipped"], failed)
 
 
-def write(rows: Sequence[Row], of_studies: Sequence[Outcome], date: str) -> None:
+def present_commit() -> str:
+    """Return the commit that is checked out."""
+    command = ["git", "rev-parse", "--short", "HEAD"]
+    return f"commit `{subprocess.check_output(command, cwd=ROOT, text=True).strip()}`"
+
+
+def write(rows: Sequence[Row], of_studies: Sequence[Outcome], when: str) -> None:
     """Put the tables into the page, between the comments that mark their places."""
-    commit = subprocess.check_output(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True)
     text = PAGE.read_text()
     parts = {
         "promises": "\n".join([HEAD, *map(str, rows)]),
         "studies": studies.table(of_studies),
-        "run": f"Date: {date}; commit `{commit.strip()}`.",
+        "run": f"Date of the run: {when}.",
     }
     for name, part in parts.items():
         begin, end = f"<!-- {name} -->\n", f"\n<!-- end of {name} -->"
@@ -227,7 +232,7 @@ def main() -> int:
     print("\n".join(map(str, failed)))
     if given.page:
         studies.draw(chosen, of_studies, FIGURE)
-        write(rows, of_studies, given.page)
+        write(rows, of_studies, f"{given.page}, {present_commit()}")
     return int(any(row.failures for row in rows))
 
 
