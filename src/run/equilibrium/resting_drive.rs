@@ -146,7 +146,9 @@ impl Resting for RestingDrive {
             return false;
         }
         self.dynamics.correct(step);
-        step.iter_mut().for_each(|step| *step *= gamma);
+        for step in step {
+            *step *= gamma;
+        }
         true
     }
 

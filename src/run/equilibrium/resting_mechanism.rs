@@ -1,7 +1,7 @@
 //! Mechanism whose positions are iterated to static equilibrium, with its constraints satisfied after every iteration.
 //!
 //! The step of backward Euler has the multipliers of the constraints as further unknowns: with the accelerations a from rest,
-//! (M - γ² ∂f/∂q + γ² Σ λ ∂²c/∂q²) Δq + Gᵀ μ = γ² M a and G Δq = 0. The positions are then projected onto the constraints.
+//! (M - γ ∂f/∂v - γ² ∂f/∂q + γ² Σ λ ∂²c/∂q²) Δq + Gᵀ μ = γ² M a and G Δq = 0. The positions are then projected onto the constraints.
 
 use std::sync::Arc;
 
@@ -167,7 +167,9 @@ impl Resting for RestingMechanism {
         let regular = self.factorise(gamma);
         if regular {
             self.dynamics.correct(step);
-            step.iter_mut().for_each(|step| *step *= gamma);
+            for step in step {
+                *step *= gamma;
+            }
         }
         regular
     }
