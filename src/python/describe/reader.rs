@@ -1,7 +1,7 @@
 //! Reader of a description object by field, with the types of its values.
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyString, PyTuple};
+use pyo3::types::{PyBool, PyInt, PyString, PyTuple};
 
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
@@ -279,12 +279,13 @@ pub(crate) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
     {
         return Ok(count);
     }
-    Err(refuse(
-        value.py(),
-        field,
-        value,
-        "must be a whole number, not negative",
-    ))
+    let too_large = value.is_instance_of::<PyInt>() && value.gt(u32::MAX).unwrap_or(false);
+    let expected = if too_large {
+        format!("must be at most {}", u32::MAX)
+    } else {
+        "must be a whole number, not negative".to_string()
+    };
+    Err(refuse(value.py(), field, value, &expected))
 }
 
 /// Read the numbers of teeth of two sprockets.

@@ -160,6 +160,11 @@ def test_a_start_of_ones_own_holds_to_the_bounds_of_speeds(row, column):
         rc.Simulation(calm.drive, positions=calm.positions, velocities=velocities)
 
 
+def test_a_count_beyond_every_bound_is_refused_as_too_large():
+    with pytest.raises(rc.InvalidInput, match="links = 38000000000: must be at most"):
+        replace(rc.paper_drive().chain, links=38_000_000_000)
+
+
 def test_a_chain_a_thousand_times_too_long_is_refused_before_its_links_are_fitted():
     plain = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60)
     first = replace(plain.sprockets[0], eccentricity=5e-5)
