@@ -44,10 +44,11 @@ class Scene(Description):
         Method and tolerances; by default ``Solver()`` for drives, and for mechanisms
         ``Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)``.
     start : {"generated", "static"}
-        The generated configuration of a drive, with nothing in contact, or the described positions
-        of a mechanism; or the static equilibrium under gravity, the loads of the first instant and
-        the full tensioner force, which then has no ramp. The search begins at the generated or
-        described positions, with motors and drivers held there, and without friction. The
+        "generated": the generated configuration of a drive, with nothing in contact, or the
+        described positions of a mechanism. "static": the static equilibrium under gravity, the
+        loads of the first instant and the full tensioner force, which then has no ramp. The
+        search begins at the generated or described positions, with motors and drivers held
+        there, and without friction. The
         sprockets' speeds are those of the generated start, the velocities of a mechanism those
         described.
     positions, velocities : array_like, (bodies, 3), optional
