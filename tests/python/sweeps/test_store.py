@@ -329,7 +329,8 @@ if __name__ == "__main__":
 
 def started(folder):
     script = folder.parent / "script.py"
-    script.write_text(SWEEP)
+    if not script.exists():  # a process that starts must not read a script that is being written
+        script.write_text(SWEEP)
     arguments = [sys.executable, "-W", "error", str(script), str(folder)]
     return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 

@@ -99,7 +99,10 @@ def test_measured_numbers_become_a_dataset_with_the_axes_as_dimensions():
     def measure(result):
         return {"peak": peak(result), "tension": result.strand("upper").tension[-3:]}
 
-    axes = {"pretension": np.array([0.0, 25.0]), "hinge_law": [rc.Hertz(), rc.Johnson()]}
+    axes = {
+        "pretension": np.array([0.0, 25.0]),
+        "hinge_law": [rc.Hertz(), rc.Johnson(damping="lankarani-nikravesh")],
+    }
     swept = rc.sweep(PAPER, axes, measure, **SHORT)
     data = swept.to_xarray()
     assert data.sizes == {"pretension": 2, "hinge_law": 2, "tension_0": 3}
