@@ -19,7 +19,7 @@ from rustchain.results.channels import OF_MECHANISMS, VARIABLES
 from rustchain.results.exports import Exports
 from rustchain.results.mechanism_views import BodyMotion, ContactHistory, JointHistory
 from rustchain.results.stored import part_of
-from rustchain.results.values import ArrayValue
+from rustchain.results.values import ArrayValue, equal
 from rustchain.results.views import (
     Bushing,
     ChainEnd,
@@ -88,6 +88,18 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
     def __post_init__(self) -> None:
         """Make the arrays read-only."""
         self.__setstate__(vars(self))
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether all is equal to the last bit, except the wall times of the runs."""
+        if type(other) is not type(self):
+            return NotImplemented
+        values = []
+        for result in (self, other):
+            stats = {name: n for name, n in result.stats.items() if not name.startswith("wall_")}
+            values.append({**vars(result), "stats": stats})
+        return equal(*values)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         """Return status, time span and recorded groups."""

@@ -1,5 +1,6 @@
 """What a run hands back: views, errors with a remedy, files, figures."""
 
+import copy
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -320,3 +321,13 @@ def test_more_rows_than_memory_holds_are_refused():
     with pytest.raises(rc.InvalidInput, match=r"report_step = 1e-12: gives 1e\+09 rows .* GiB"):
         simulation.run(1e-3, report_step=1e-12)
     assert simulation.time == 0.0
+
+
+def test_two_equal_runs_are_equal_whatever_time_they_took():
+    one, other = (rc.Simulation(rc.paper_drive()).run(1e-4) for _ in range(2))
+    assert one.stats["wall_reports"] != other.stats["wall_reports"]
+    assert one == other
+    assert one != rc.Simulation(rc.paper_drive()).run(2e-4)
+    counted = copy.copy(other)
+    counted.__dict__["stats"] = other.stats | {"steps": other.stats["steps"] + 1}
+    assert one != counted
