@@ -13,6 +13,7 @@ from bad_input.values import (
     NO_TEXT,
     NO_VECTOR,
     POSITIVE,
+    allowed_count,
     count,
     instance,
     not_negative,
@@ -110,7 +111,7 @@ COEFFICIENT = [
 ]
 
 LINKS_OF_END = [
-    *[(value, "must be a whole number") for value in NO_COUNT if value is not None],
+    *[(value, allowed_count(value)) for value in NO_COUNT if value is not None],
     (0, "must be one at least"),
 ]
 FIELDS = {
@@ -128,7 +129,7 @@ FIELDS = {
     "Chain": {
         "pitch": positive("m"),
         "links": [
-            *[(value, "must be a whole number") for value in NO_COUNT],
+            *[(value, allowed_count(value)) for value in NO_COUNT],
             *[(value, "must be between 4 and 100000") for value in (0, 2)],
         ],
         "inner": instance("Link", None, DRIVE.chain.material),
@@ -145,7 +146,7 @@ FIELDS = {
             *[(value, "must be a number") for value in ("1", None, True, 1 + 2j, object)],
         ],
         "pitch_spread": within(0, 0.01, -1e-9, 0.011),
-        "seed": [(value, "must be a whole number") for value in NO_COUNT],
+        "seed": [(value, allowed_count(value)) for value in NO_COUNT],
         "roller": instance("Roller", DRIVE.chain.hinge),
         "link_stiffness": [
             *[(value, "must be a positive number in N/m") for value in POSITIVE],
@@ -253,7 +254,7 @@ FIELDS = {
     },
     "Tensioner": {
         "pretension": not_negative("N"),
-        "sprocket": [(value, "must be a whole number") for value in NO_COUNT],
+        "sprocket": [(value, allowed_count(value)) for value in NO_COUNT],
         "ramp_time": not_negative("s"),
         "damping": not_negative("N s/m"),
         "direction": [

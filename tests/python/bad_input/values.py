@@ -20,6 +20,11 @@ NO_TEXT = [None, 1, 1.5, True, ("a",), b"a", object]
 NO_WORD = [1, True, "", "none", ("kept",), b"kept", NAN]
 
 
+def allowed_count(value):
+    large = isinstance(value, int) and value >= 2**32
+    return "must be at most 4294967295" if large else "must be a whole number"
+
+
 def positive(unit):
     return [
         *[(value, f"must be a positive number in {unit}") for value in POSITIVE],
@@ -48,7 +53,7 @@ def within(low, high, *outside):
 def count(low, high, *outside):
     return [
         *[(value, f"must be between {low} and {high}") for value in outside],
-        *[(value, "must be a whole number") for value in NO_COUNT],
+        *[(value, allowed_count(value)) for value in NO_COUNT],
     ]
 
 
