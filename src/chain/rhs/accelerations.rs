@@ -114,7 +114,7 @@ impl Kernels {
                     accelerations[index] = center.dot(&tangent);
                 }
                 Support::Floating { x, y } => {
-                    (accelerations[x], accelerations[y]) = (center.x, center.y)
+                    (accelerations[x], accelerations[y]) = (center.x, center.y);
                 }
             }
             if let Rotation::Free { index, .. } = sprocket.rotation {

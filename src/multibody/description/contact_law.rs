@@ -196,15 +196,12 @@ impl CompiledLaw {
             return ContactForce::default();
         }
         let elastic = self.elastic.force(penetration);
-        let (total, dissipated) = match self.damping {
-            DampingPart::Linear(c) => {
-                let total = (elastic + c * rate).max(0.0);
-                (total, (total - elastic) * rate)
-            }
-            _ => {
-                let contact = self.damped(elastic, rate, onset);
-                (contact.force, contact.power())
-            }
+        let (total, dissipated) = if let DampingPart::Linear(c) = self.damping {
+            let total = (elastic + c * rate).max(0.0);
+            (total, (total - elastic) * rate)
+        } else {
+            let contact = self.damped(elastic, rate, onset);
+            (contact.force, contact.power())
         };
         ContactForce {
             total,
