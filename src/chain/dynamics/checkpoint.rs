@@ -52,7 +52,7 @@ impl Dynamics {
     /// Return dynamics with the same compiled model and instructions, restored from `checkpoint`.
     ///
     /// `None`: the checkpoint belongs to a different model.
-    pub(super) fn from_checkpoint(&self, checkpoint: &Checkpoint) -> Option<Self> {
+    pub(super) fn with_checkpoint(&self, checkpoint: &Checkpoint) -> Option<Self> {
         let compiled = &self.inputs.compiled;
         let mut dynamics = Self::new(Arc::new(compiled.with_inputs(&checkpoint.inputs)?));
         dynamics.inputs = Inputs::new(compiled);

@@ -209,7 +209,7 @@ impl System for Dynamics {
     }
 
     fn restored(&self, checkpoint: &Checkpoint, _adams: &Adams) -> Option<Self> {
-        self.from_checkpoint(checkpoint)
+        self.with_checkpoint(checkpoint)
     }
 }
 
