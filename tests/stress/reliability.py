@@ -150,7 +150,7 @@ def row_of_studies(outcomes: Sequence[Outcome]) -> Row:
     worst = max(map(studies.share, outcomes))
     told = f"residual {worst:.1e} of the energy exchanged"
     promise = "each quantity from one end of its range to the other"
-    return Row(promise, "`tests/stress/studies.py`", len(outcomes), failures, told)
+    return Row(promise, "`studies.py`", len(outcomes), failures, told)
 
 
 def row_of_calls(count: int) -> Row:
@@ -163,7 +163,7 @@ def row_of_calls(count: int) -> Row:
     made = re.search(r"(\d+) calls in", ended.stdout)
     promise = "every public call with wild arguments returns, or refuses one by name"
     tried = int(made[1]) if made else 0
-    return Row(promise, "`tests/stress/calls.py`", tried, holes if tried else 1)
+    return Row(promise, "`calls.py`", tried, holes if tried else 1)
 
 
 def row_of_pytest(promise: str, paths: Iterable[str], chosen: str) -> Row:
@@ -221,7 +221,7 @@ def main() -> int:
     random = read(given.random) if given.random else list(outcomes_of(jobs))
     few = extremes.jobs()[:: given.every]
     extreme = read(given.extreme) if given.extreme else list(outcomes_of(few, EXTREMES_LIMIT))
-    rows = rows_of_scenes("random scenes", "`tests/stress/run.py`", random)
+    rows = rows_of_scenes("random scenes", "`run.py`", random)
     rows += rows_of_scenes("extreme values", "`run.py --extremes`", extreme)
     chosen = studies.runs()
     of_studies = list(studies.all_outcomes(chosen))
