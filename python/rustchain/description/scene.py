@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias, cast, get_args
 
-import numpy as np
-
 from rustchain.arguments import finite_number, plain, rows_of, shown
 from rustchain.description.base import Description
 from rustchain.description.drive import ChainDrive
@@ -93,10 +91,6 @@ class Scene(Description):
         self._check_velocity()
         for name in ("positions", "velocities"):
             rows = rows_of(name, getattr(self, name), self.body_count)
-            if rows is not None and not np.isfinite(rows).all():
-                row, column = np.argwhere(~np.isfinite(rows))[0]
-                msg = f"{name}[{row}, {column}] = {rows[row, column]}: must be finite"
-                raise InvalidInput(msg)
             self._set(name, None if rows is None else plain(rows))
         self._check_start()
         if self.kind == "mechanism":

@@ -232,11 +232,3 @@ def test_values_at_the_ends_of_their_ranges_are_taken():
     rc.Sprocket(teeth=5, initial_speed=-1.0)
     rc.Sprocket(teeth=np.int64(1000), mass=np.float32(0.5), center=np.zeros(2))
     replace(DRIVE.chain, links=4)
-
-
-@pytest.mark.parametrize("name", ["positions", "velocities"])
-def test_a_start_that_is_not_finite_is_refused_with_its_place(name):
-    rows = {kind: np.zeros((40, 3)) for kind in ("positions", "velocities")}
-    rows[name][4, 2] = np.nan
-    with pytest.raises(rc.InvalidInput, match=rf"^{name}\[4, 2\] = nan: must be finite"):
-        rc.Scene(rc.paper_drive(), **rows)
