@@ -173,7 +173,8 @@ dist: $(STAMPS)/dist-tools ## Wheel and source archive into dist/
 	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
 	rm -rf dist
 	$(if $(MANYLINUX),PATH="$(CURDIR)/$(BIN):$$PATH" $(call build-fmu,cargo-zigbuild rustc --target $(HOST).2.17,target/fmu,$(HOST)/),$(call build-fmu,cargo rustc,target))
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --locked --sdist --out dist $(MANYLINUX)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --locked --out dist $(MANYLINUX)
+	$(BIN)/maturin sdist --out dist
 	$(if $(MANYLINUX),$(BIN)/auditwheel show dist/*.whl)
 
 clean: ## Remove all that the other targets made
