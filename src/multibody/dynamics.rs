@@ -184,7 +184,7 @@ impl MechanismDynamics {
     pub(crate) fn powers(&self) -> [f64; 2] {
         [
             self.loads.dissipated,
-            self.loads.worked_in + self.constraints.driver_power(),
+            self.loads.external_work + self.constraints.driver_power(),
         ]
     }
 

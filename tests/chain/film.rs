@@ -81,7 +81,7 @@ fn a_correction_by_newtons_matrix_lacks_little() {
                     let bound = if laws.hinge_friction.is_some() {
                         0.3
                     } else {
-                        0.15
+                        0.1
                     };
                     assert!(
                         found < bound,

@@ -80,16 +80,21 @@ fn a_ball_in_a_corner_rests_on_both_sides() {
     assert!(residual.abs() < 1e-7, "{residual}");
 }
 
-#[test]
-fn a_side_that_is_hit_remembers_its_own_onset() {
-    // Rests on the floor, is driven against the wall: the restitution there is the law's, whatever the floor remembers.
-    let law = ContactLaw::Surfaces {
+/// A contact of hard surfaces, 10 mm long.
+fn hard_surfaces() -> ContactLaw {
+    ContactLaw::Surfaces {
         law: ForceLaw::default(),
         contact_modulus: 1e11,
         restitution: 0.9,
         length: 0.01,
         min_approach_speed: 1e-3,
-    };
+    }
+}
+
+#[test]
+fn a_side_that_is_hit_remembers_its_own_onset() {
+    // Rests on the floor, is driven against the wall: the restitution there is the law's, whatever the floor remembers.
+    let law = hard_surfaces();
     let rebound = |profile: Profile, gravity: f64| {
         let mut mechanism = ball(profile, law.clone(), (0.3, RADIUS - 1e-9));
         mechanism.gravity.y = -gravity;
@@ -119,13 +124,7 @@ fn thrown_at_a_disc(law: ContactLaw, speed: f64, gap: f64) -> Mechanism {
 #[test]
 fn onsets_slower_than_the_minimum_impact_velocity_are_counted() {
     for (speed, slow) in [(2e-3, 0), (5e-4, 1)] {
-        let law = ContactLaw::Surfaces {
-            law: ForceLaw::default(),
-            contact_modulus: 1e11,
-            restitution: 0.9,
-            length: 0.01,
-            min_approach_speed: 1e-3,
-        };
+        let law = hard_surfaces();
         let mut machine = simulation(&thrown_at_a_disc(law, speed, 1e-6), 1e-9);
         record(&mut machine, 0.01, 1e-3);
         let found = machine.statistics();

@@ -150,7 +150,7 @@ class Present(OfScene):
             A contact had left the range of its law.
         """
         scene, place, state = state_file.read(path)
-        if scene.kind == "mechanism":  # assembled anew; drivers change the described velocities
+        if scene.kind == "mechanism":  # assembled again; drivers change the described velocities
             place, _ = start_of(scene)
         simulation = cls._around(core_of(scene, place), scene)
         simulation._core = state_file.restored(simulation._core, state)

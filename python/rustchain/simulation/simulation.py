@@ -230,9 +230,9 @@ class Simulation(Present):
             by default all.
         energy : bool, optional
             False takes the energy balance out of `record`, True puts it in. The energies of a chain
-            are integrated along every step, with three more evaluations: a run takes 1.4 to 1.7
-            times as long as without. Without it there is no `EnergyWarning`; the path is the same
-            to the last bit.
+            are integrated along every step, with one to seven more evaluations: a run takes 1.5
+            to 1.6 times as long as without. Without it there is no `EnergyWarning`; the path is
+            the same to the last bit.
         progress : bool
             Whether to show a progress bar, where a terminal is there to show it.
         stop : StopCondition or sequence of them

@@ -173,7 +173,7 @@ impl Force {
                 let force = if *follows { fb.turned(given) } else { given };
                 let place = fb.place(self.b.point);
                 loads.push(self.b.body, fb, place, force);
-                loads.worked_in += force.dot(&fb.velocity_at(place));
+                loads.external_work += force.dot(&fb.velocity_at(place));
             }
             ForceKind::Torque(_) | ForceKind::TorqueBySpeed(_) => {
                 self.twist(self.torque(t, frames), fa, fb, loads);
@@ -185,7 +185,7 @@ impl Force {
                 let [x, y, torque] = function(t, position, velocity);
                 loads.push(self.b.body, fb, fb.origin, Vec2::new(x, y));
                 loads.twist(self.b.body, torque);
-                loads.worked_in += x * velocity[0] + y * velocity[1] + torque * velocity[2];
+                loads.external_work += x * velocity[0] + y * velocity[1] + torque * velocity[2];
             }
             ForceKind::TorsionSpring { law, .. } => {
                 let (x, rate) = (fb.angle - fa.angle - self.rest, fb.spin - fa.spin);
@@ -222,7 +222,7 @@ impl Force {
     fn twist(&self, torque: f64, fa: &Frame, fb: &Frame, loads: &mut Loads) {
         loads.twist(self.b.body, torque);
         loads.twist(self.a.body, -torque);
-        loads.worked_in += torque * (fb.spin - fa.spin);
+        loads.external_work += torque * (fb.spin - fa.spin);
     }
 
     /// Add the force of a spring and damper between both points: T = f(x) + c n·v along their connecting line.

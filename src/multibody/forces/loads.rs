@@ -17,7 +17,7 @@ pub(crate) struct Loads {
     /// Power dissipated in dampers and contacts, including the power stored in bristles \[W\].
     pub(crate) dissipated: f64,
     /// Power of applied forces, whose integral is the external work \[W\].
-    pub(crate) worked_in: f64,
+    pub(crate) external_work: f64,
 }
 
 impl Loads {
@@ -33,7 +33,7 @@ impl Loads {
     pub(crate) fn clear(&mut self) {
         self.on.fill([0.0; 3]);
         (self.elastic, self.bristles) = (0.0, 0.0);
-        (self.dissipated, self.worked_in) = (0.0, 0.0);
+        (self.dissipated, self.external_work) = (0.0, 0.0);
     }
 
     /// Add a force \[N\] on a body at a point \[m\]; both are in the ground's frame.
