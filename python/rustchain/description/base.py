@@ -169,7 +169,9 @@ class LostFunction:
         """Return whether the same function was lost."""
         return isinstance(other, LostFunction) and other.name == self.name
 
-    __hash__ = None  # type: ignore[assignment]
+    def __hash__(self) -> int:
+        """Return the hash of the name."""
+        return hash((LostFunction, self.name))
 
 
 def _with_placeholders(value: object) -> dict[str, object]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, cast, get_args
 
 from rustchain.arguments import finite_number, plain, rows_of, shown
@@ -32,7 +32,8 @@ class Scene(Description):
     Attributes
     ----------
     system : ChainDrive or Mechanism
-        Drive or mechanism to simulate. Of a mechanism the scene keeps a copy.
+        Drive or mechanism to simulate. Of a mechanism the scene keeps a
+        frozen copy; ``scene.system.copy()`` can be changed.
     force_law : ForceLaw
         Law of every contact of a drive. The contacts of a mechanism have laws of their own.
     hinge_law, tooth_law : ForceLaw, optional
@@ -140,10 +141,10 @@ class Scene(Description):
         object.__setattr__(self, name, value)
 
     def _check_system(self) -> None:
-        """Refuse what is neither a drive nor a mechanism; keep a copy of a mechanism."""
+        """Refuse what is neither a drive nor a mechanism; keep a frozen copy of a mechanism."""
         system = self.system
         if isinstance(system, Mechanism):
-            self._set("system", replace(system))
+            self._set("system", system.frozen())
         elif not isinstance(system, ChainDrive):
             has = next((name for name in ("scene", "drive") if hasattr(system, name)), None)
             kind = type(system).__name__

@@ -205,3 +205,34 @@ def test_links_that_have_to_be_moved_far_to_close_ideal_hinges_are_told():
     with pytest.warns(UserWarning, match="links had to be moved by up to") as caught:
         rc.Simulation(drive, positions=positions, velocities=start.velocities)
     assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_a_scene_keeps_a_frozen_copy_of_a_mechanism():
+    m = rc.Mechanism(name="m")
+    m.add_body("a", 1.0, 1.0)
+    scene = rc.Scene(m)
+    m.add_body("b", 1.0, 1.0)
+    assert (scene.body_count, len(m.bodies)) == (1, 2)
+    for change in (
+        lambda system: system.add_body("z", 1.0, 1.0),
+        lambda system: system.add_revolute("pin", "ground", "a"),
+        lambda system: system.add_torque("load", "a", 1.0),
+        lambda system: system.add_disc_contact("c", "ground", "a", 1, 1, rc.LinearContact(1.0)),
+        lambda system: setattr(system, "gravity", (0.0, 0.0)),
+    ):
+        with pytest.raises(rc.InvalidInput, match=r"scene\.system\.copy\(\)"):
+            change(scene.system)
+    copied = scene.system.copy()
+    assert copied == scene.system
+    copied.add_body("z", 1.0, 1.0)
+    assert [body.name for body in copied.bodies] == ["a", "z"]
+    assert [body.name for body in scene.system.bodies] == ["a"]
+
+
+def test_a_mechanism_has_a_hash_where_it_cannot_be_changed():
+    m = rc.Mechanism()
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(m)
+    first, second = rc.Scene(m), rc.Scene(rc.Mechanism())
+    assert hash(first.system) == hash(second.system)
+    assert len({first, second}) == 1

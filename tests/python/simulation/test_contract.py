@@ -159,7 +159,17 @@ def test_results_of_other_scenes_or_numbers_are_not_equal(scene, result):
 def test_scenes_are_values(scene):
     for made in (copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
         assert made == scene
+        assert hash(made) == hash(scene)
     assert rc.Scene.from_json(scene.to_json()) == scene
+    assert len({scene, copy.copy(scene), replace(scene, start="static")}) == 2
+
+
+def test_what_a_scene_simulates_cannot_be_changed(scene, result):
+    before = pickle.dumps(scene)
+    for system in (scene.system, result.scene.system):
+        with pytest.raises((rc.InvalidInput, AttributeError)):
+            system.name = "another"
+    assert pickle.loads(before) == scene
 
 
 @pytest.mark.parametrize("form", [".toml", ".json"])

@@ -143,7 +143,7 @@ def test_a_ball_thrown_up_to_a_stop_bounces_off_it(stop, method):
         touching[0] = 0.0
         rise = 0.01 - placed.evaluate(touching).contact_penetration[0]
         speed = np.sqrt(2.0 * 9.81 * (rise + excess))
-        m.bodies[0] = replace(m.bodies[0], velocity=(0.0, speed, 0.0))
+        m.bodies = (replace(m.bodies[0], velocity=(0.0, speed, 0.0)), *m.bodies[1:])
         solver = {"method": method, "accuracy": 1e-11, "max_step": 0.1}
         result = simulation(m, solver).run(2.2 * speed / 9.81, 1e-3, progress=False)
         assert result.stats["onsets"] == 1, excess

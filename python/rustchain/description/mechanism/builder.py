@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import TypeVar
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, ClassVar
 
 from rustchain.arguments import admitted, checked, shown
 from rustchain.description.base import described
@@ -18,7 +18,12 @@ from rustchain.description.mechanism.report import MechanismReport
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
 
-_Kind = TypeVar("_Kind")
+_PARTS: dict[str, type[Any]] = {
+    "bodies": Body,
+    "joints": Joint,
+    "forces": Force,
+    "contacts": Contact,
+}
 
 
 @known_keywords
@@ -31,6 +36,8 @@ class Mechanism(WithJoints, WithForces, WithContacts):
     the frame that does not move. Where bodies are placed already, ``at=(x, y)`` gives one point of
     the ground's frame in place of a point of each body.
 
+    The mechanism of a scene is a frozen copy: it has a hash, and changes of it are refused.
+
     Parameters
     ----------
     gravity : (float, float)
@@ -38,32 +45,64 @@ class Mechanism(WithJoints, WithForces, WithContacts):
     name : str
         For people to read.
     bodies, joints, forces, contacts : sequences of parts
-        Parts, as the methods ``add_...`` make them; by default none.
+        Kept as tuples. Parts, as the methods ``add_...`` make them; by default none.
     """
+
+    _frozen: ClassVar[bool] = False  # of the class; frozen mechanisms have their own
 
     gravity: Point = (0.0, -9.81)
     name: str = ""
-    bodies: list[Body] = field(default_factory=list, kw_only=True)
-    joints: list[Joint] = field(default_factory=list, kw_only=True)
-    forces: list[Force] = field(default_factory=list, kw_only=True)
-    contacts: list[Contact] = field(default_factory=list, kw_only=True)
+    bodies: Sequence[Body] = field(default=(), kw_only=True)
+    joints: Sequence[Joint] = field(default=(), kw_only=True)
+    forces: Sequence[Force] = field(default=(), kw_only=True)
+    contacts: Sequence[Contact] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
-        """Check name and gravity; keep the lists of parts apart from those given."""
+        """Check name and gravity; a list of parts becomes a tuple."""
         if not isinstance(self.name, str):
             msg = f"name of the mechanism = {shown(self.name)}: must be text"
             raise InvalidInput(msg)
         check_name("name of the mechanism", self.name)
         self.gravity = numbers("gravity", self.gravity, 2, "(x, y) [m/s^2]")
-        self.bodies = _parts("bodies", self.bodies, Body)
-        self.joints = _parts("joints", self.joints, Joint)
-        self.forces = _parts("forces", self.forces, Force)
-        self.contacts = _parts("contacts", self.contacts, Contact)
+        for name, kind in _PARTS.items():
+            parts = admitted(f"Mechanism.{name}", getattr(self, name), Sequence[kind])  # type: ignore[valid-type]
+            setattr(self, name, parts)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Set a field, unless the mechanism is frozen."""
+        self._check_change(name)
+        super().__setattr__(name, value)
+
+    def __hash__(self) -> int:
+        """Return the hash of a frozen mechanism."""
+        if not self._frozen:
+            msg = "unhashable type: 'Mechanism'; the mechanism of a Scene has a hash"
+            raise TypeError(msg)
+        return hash((type(self), *(getattr(self, each.name) for each in fields(self))))
+
+    def copy(self) -> Mechanism:
+        """Return a copy that can be changed, of the mechanism of a scene too."""
+        return replace(self)
+
+    def frozen(self) -> Mechanism:
+        """Return a copy that cannot be changed, as scenes have it; a frozen one is itself."""
+        if self._frozen:
+            return self
+        made = replace(self)
+        made.__dict__["_frozen"] = True
+        return made
+
+    def _check_change(self, what: str) -> None:
+        if self._frozen:
+            msg = (
+                f"Mechanism.{what}: the mechanism of a scene cannot be changed; change a copy, "
+                "scene.system.copy(), and make a scene of it"
+            )
+            raise InvalidInput(msg)
 
     def __repr__(self) -> str:
         """Return what there is."""
-        parts = ("bodies", "joints", "forces", "contacts")
-        counts = ", ".join(f"{len(getattr(self, part))} {part}" for part in parts)
+        counts = ", ".join(f"{len(getattr(self, part))} {part}" for part in _PARTS)
         return f"<Mechanism {self.name!r}: {counts}>"
 
     @known_keywords
@@ -90,7 +129,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         check_part_name("name of a body", name)
         for part, given in (("position", position), ("velocity", velocity)):
             numbers(f"{part} of body {shown(name)}", given, 3, "(x, y, angle)")
-        self.bodies.append(Body(name, mass, inertia, position, velocity, fixed))
+        self.bodies = (*self.bodies, Body(name, mass, inertia, position, velocity, fixed))
         return name
 
     def check(self) -> MechanismReport:
@@ -100,12 +139,6 @@ class Mechanism(WithJoints, WithForces, WithContacts):
 
         found = _rustchain.MechanismCore(self, Solver()).check()
         return MechanismReport(**found | {"warnings": found["warnings"] + implausible_inputs(self)})
-
-
-def _parts(where: str, given: object, kind: type[_Kind]) -> list[_Kind]:
-    """Return the parts of one kind as a list of the mechanism's own."""
-    found: tuple[_Kind, ...] = admitted(f"Mechanism.{where}", given, Sequence[kind])  # type: ignore[valid-type]
-    return list(found)
 
 
 # Errors of a call, such as of a missing argument, name the method by this class. What else is wrong

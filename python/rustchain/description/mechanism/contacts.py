@@ -16,7 +16,7 @@ from rustchain.errors import InvalidInput
 class WithContacts:
     """Base of `Mechanism`: contacts."""
 
-    contacts: list[Contact]
+    contacts: Sequence[Contact]
 
     def add_clearance_joint(
         self,
@@ -173,4 +173,7 @@ class WithContacts:
         """Add a contact; of the places on both bodies, by name, the first may be left out."""
         at = [point(field, "contact", name, place) for field, place in places.items()]
         first, last = (at[0] if len(at) == 2 else (0.0, 0.0)), at[-1]
-        self.contacts.append(Contact(kind, name, *bodies, first, last, radius, law, **profile))
+        self.contacts = (
+            *self.contacts,
+            Contact(kind, name, *bodies, first, last, radius, law, **profile),
+        )

@@ -17,7 +17,7 @@ from rustchain.errors import InvalidInput
 class WithForces:
     """Base of `Mechanism`: force elements."""
 
-    forces: list[Force]
+    forces: Sequence[Force]
 
     def add_force(
         self,
@@ -31,7 +31,8 @@ class WithForces:
         if not isinstance(force, Sequence | np.ndarray) or len(force) != 2:
             msg = f"force of {shown(name)} = {shown(force)}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
-        self.forces.append(
+        self.forces = (
+            *self.forces,
             Force(
                 "force",
                 name,
@@ -41,7 +42,7 @@ class WithForces:
                 x=force[0],
                 y=force[1],
                 follows=follows,
-            )
+            ),
         )
 
     def add_torque(
@@ -58,9 +59,12 @@ class WithForces:
         """
         one_of(name, "torque", torque, "by_speed", by_speed)
         if torque is None:
-            self.forces.append(Force("torque_by_speed", name, reaction, body, table=by_speed))
+            self.forces = (
+                *self.forces,
+                Force("torque_by_speed", name, reaction, body, table=by_speed),
+            )
         else:
-            self.forces.append(Force("torque", name, reaction, body, x=torque))
+            self.forces = (*self.forces, Force("torque", name, reaction, body, x=torque))
 
     def add_spring(
         self,
@@ -99,7 +103,8 @@ class WithForces:
                 "positive number in m"
             )
             raise InvalidInput(msg)
-        self.forces.append(
+        self.forces = (
+            *self.forces,
             Force(
                 "spring",
                 name,
@@ -112,7 +117,7 @@ class WithForces:
                 cubic=cubic,
                 rest=rest_length,
                 table=table,
-            )
+            ),
         )
 
     def add_torsion_spring(
@@ -127,7 +132,8 @@ class WithForces:
         table: Curve | None = None,
     ) -> None:
         """Put a spring and damper between two angles; as `add_spring`, with radians."""
-        self.forces.append(
+        self.forces = (
+            *self.forces,
             Force(
                 "torsion_spring",
                 name,
@@ -138,7 +144,7 @@ class WithForces:
                 cubic=cubic,
                 rest=rest_angle,
                 table=table,
-            )
+            ),
         )
 
     def add_callable(self, name: str, body: str, function: LoadFunction) -> None:
@@ -158,4 +164,4 @@ class WithForces:
                 "velocity) that returns (force x, force y, torque)"
             )
             raise InvalidInput(msg)
-        self.forces.append(Force("custom", name, GROUND, body, function=function))
+        self.forces = (*self.forces, Force("custom", name, GROUND, body, function=function))

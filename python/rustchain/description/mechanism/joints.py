@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from rustchain.arguments import shown
@@ -17,8 +18,8 @@ from rustchain.names import suggest
 class WithJoints:
     """Base of `Mechanism`: joints and drivers."""
 
-    bodies: list[Body]
-    joints: list[Joint]
+    bodies: Sequence[Body]
+    joints: Sequence[Joint]
 
     def add_revolute(
         self,
@@ -202,7 +203,10 @@ class WithJoints:
             (0.0, 0.0) if place is None else point(f"point_{end}", "joint", name, place)
             for end, place in points
         )
-        self.joints.append(Joint(kind, name, body_a, body_b, place_a, place_b, direction, **others))
+        self.joints = (
+            *self.joints,
+            Joint(kind, name, body_a, body_b, place_a, place_b, direction, **others),
+        )
 
     def _local(self, joint: str, body: str, at: Point) -> tuple[float, float]:
         """Return a point of the ground's frame in the frame of a body as placed."""
