@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import inspect
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from types import UnionType
-from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from rustchain.arguments import shown
-from rustchain.description.base import Description
 from rustchain.description.drive import (
     ChainDrive,
     PrescribedSpeed,
-    Sprocket,
     Tensioner,
 )
-from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
-from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene, scene_of
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
-from rustchain.names import suggest
 from rustchain.sweeps.cases import Parameters
+from rustchain.sweeps.fields import (
+    field_names,
+    general,
+    missing_part,
+    nearest,
+    parts_of,
+    why_not,
+)
 
 System: TypeAlias = (
     Scene | ChainDrive | Mechanism | Callable[..., Scene] | Callable[..., ChainDrive | Mechanism]
@@ -42,9 +42,19 @@ _SHORTHANDS = ("replicate", "pretension", "speed")
 _DISTURBANCE = 1e-4  # of a speed at the start
 
 
-def parameter_names() -> tuple[str, ...]:
-    """Return all parameters of a drive by name: shorthands, fields of scene, solver and drive."""
-    return (*_SHORTHANDS, *RUN_FIELDS, *_SCENE_FIELDS, *_SOLVER_FIELDS, *_drive_fields())
+def parameter_names(system: System | None = None, run: Iterable[str] = RUN_FIELDS) -> list[str]:
+    """Return all parameters of a system by name; of any system where it is not known.
+
+    They are shorthands, arguments of the run and fields of scene, solver and system. Numbers of
+    parts are 1.
+    """
+    kinds: tuple[type, ...] = (ChainDrive, Mechanism)
+    if isinstance(system, Scene | ChainDrive | Mechanism):
+        kinds = (type(scene_of(system).system),)
+    of_systems = [name for kind in kinds for name in field_names(kind)]
+    shorthands = _SHORTHANDS if ChainDrive in kinds else ("replicate",)
+    names = (*shorthands, *run, *of_systems, *_SCENE_FIELDS, *_SOLVER_FIELDS)
+    return list(dict.fromkeys(names))
 
 
 def check_names(
@@ -64,19 +74,17 @@ def check_names(
         )
         raise InvalidInput(msg)
     own, needed, takes_all = _arguments(system)
-    known = [*own, *_SHORTHANDS, *run, *_SCENE_FIELDS, *_SOLVER_FIELDS, *_drive_fields()]
-    for name in dict.fromkeys(name for case in cases for name in case):
-        if takes_all or name in known or _in_scene(name):
-            continue
-        if re.search(r"\[\d+\]", str(name)):
-            dotted = re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) + 1}", name)
-            near = f"parts are numbered from 1 behind a dot: {dotted!r}"
-        else:
-            ends = [path for path in known if path.endswith(f".{name}")]
-            main = [each for each in known if "." not in each] + ["chain.pitch", "..."]
-            near = f"did you mean {ends[0]!r}?" if ends else suggest(name, known, main)
-        msg = f"{where}: {shown(name)} is no parameter; {near}"
-        raise InvalidInput(msg)
+    known = [*own, *parameter_names(system, run)]
+    example = "chain.pitch" if "chain.pitch" in known else "bodies.1.mass"
+    names = dict.fromkeys(str(name) for case in cases for name in case)
+    for name in names:
+        near = None
+        if not (takes_all or _in_scene(name)) and general(name) not in known:
+            near = nearest(name, known, example)
+        elif not _is_function(system) and not any(name.startswith(f"{each}.") for each in names):
+            near = missing_part(scene_of(system).system, _kind_of(system), name.split("."))
+        if near is not None:
+            raise InvalidInput(f"{where}: {shown(name)} is no parameter; {near}")
     for case in cases:
         missing = [name for name in needed if name not in case]
         if missing:
@@ -91,11 +99,11 @@ def check_names(
 def case_of(system: System, run: Parameters, parameters: Parameters) -> tuple[Scene, Parameters]:
     """Return the scene and the arguments of the run of one case."""
     own, _, takes_all = _arguments(system)
-    known = {*_SHORTHANDS, *run, *_SCENE_FIELDS, *_SOLVER_FIELDS, *_drive_fields()}
+    known = set(parameter_names(system, run))
     to_function = {
         name: value
         for name, value in parameters.items()
-        if name in own or (takes_all and name not in known and not _in_scene(name))
+        if name in own or (takes_all and general(name) not in known and not _in_scene(name))
     }
     rest = {name: value for name, value in parameters.items() if name not in to_function}
     made = system(**to_function) if _is_function(system) else system  # type: ignore[operator]
@@ -120,15 +128,9 @@ def _with_fields(scene: Scene, changes: Parameters) -> ChainDrive | Mechanism:
     """Return the system of a scene with other fields."""
     if isinstance(scene.system, ChainDrive):
         return _drive_with_fields(scene.system, changes)
-    others = [name for name in changes if name not in ("replicate", "gravity", "name")]
-    if others:
-        msg = (
-            f"{others[0]}: cannot be changed in a mechanism; expected a function of it that "
-            "returns the mechanism"
-        )
-        raise InvalidInput(msg)
-    fields = {name: value for name, value in changes.items() if name != "replicate"}
-    return _replicated_mechanism(replace(scene.system, **fields), changes.get("replicate", 0))
+    fields = {tuple(n.split(".")): value for n, value in changes.items() if n != "replicate"}
+    changed: Mechanism = _replaced(scene.system, fields, "mechanism")
+    return _replicated_mechanism(changed, changes.get("replicate", 0))
 
 
 def _drive_with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
@@ -212,32 +214,16 @@ def _replaced(part: Any, changes: Mapping[Path, Any], name: str) -> Any:  # noqa
             below.setdefault(path[0], {})[path[1:]] = value
     if not below:
         return part
-    if isinstance(part, tuple):
-        parts = {str(place): each for place, each in enumerate(part, 1)}
-    else:
-        fields = dataclasses.fields(part) if isinstance(part, Description) else ()
-        parts = {field.name: getattr(part, field.name) for field in fields}
+    parts = parts_of(part)
     for head in below:
         if head not in parts:
-            raise InvalidInput(f"{name}.{head}: {_why_not(part, name, head, parts)}")
+            raise InvalidInput(f"{name}.{head}: {why_not(part, name, head)}")
     changed = {
         head: _replaced(parts[head], deeper, f"{name}.{head}") for head, deeper in below.items()
     }
     if isinstance(part, tuple):
         return tuple((parts | changed).values())
     return replace(part, **changed)
-
-
-def _why_not(part: object, name: str, head: str, parts: Mapping[str, object]) -> str:
-    """Return why `part`, called `name`, has no part `head` that can be changed."""
-    if isinstance(part, tuple) and part:
-        return f"does not exist; expected a number from 1 to {len(part)} after {name}"
-    if isinstance(part, tuple):
-        return f"does not exist, for {name} is empty"
-    if parts:
-        return f"does not exist; {suggest(head, parts)}"
-    kind = "None" if part is None else f"a {type(part).__name__}"
-    return f"cannot be changed, for {name} is {kind}"
 
 
 def _target(name: str) -> str:
@@ -256,6 +242,11 @@ def _first_twice(names: list[str]) -> str | None:
     return next((name for name in names if names.count(name) > 1), None)
 
 
+def _kind_of(system: System) -> str:
+    """Return what messages call the system of a scene."""
+    return "drive" if isinstance(scene_of(system).system, ChainDrive) else "mechanism"
+
+
 def _is_function(system: System) -> bool:
     return not isinstance(system, Scene | ChainDrive | Mechanism)
 
@@ -268,40 +259,3 @@ def _arguments(system: System) -> tuple[list[str], list[str], bool]:
     named = [p for p in found if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     needed = [p.name for p in named if p.default is p.empty]
     return [p.name for p in named], needed, any(p.kind is p.VAR_KEYWORD for p in found)
-
-
-@functools.cache
-def _drive_fields() -> tuple[str, ...]:
-    """Return the dotted names of all fields of a drive."""
-    return tuple(_paths(ChainDrive))
-
-
-def _paths(description: type[Description]) -> Iterator[str]:
-    """Yield the dotted names of all fields: whole parts, what is in them, and coordinates."""
-    hints = get_type_hints(description)
-    for field in dataclasses.fields(description):
-        yield field.name
-        hint = hints[field.name]
-        members = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
-        inside = (path for member in members for path in _inside(member))
-        yield from (f"{field.name}.{path}" for path in inside)
-
-
-_MOST_SPROCKETS = 16  # or guides, whose fields have names
-_ENDS = (AnchoredEnd | LoadedEnd | FreeEnd,)
-_LISTED = ((Sprocket,), (GuideRail | SmoothIdler,), _ENDS)
-
-
-def _inside(hint: Any) -> Iterator[str]:  # noqa: ANN401
-    """Yield the dotted names of what lies within a value of this type; a table is taken whole."""
-    if isinstance(hint, type) and issubclass(hint, Description):
-        yield from _paths(hint)
-    elif get_origin(hint) is tuple or get_args(hint) in _LISTED:
-        pair = get_origin(hint) is tuple or get_args(hint) == _ENDS
-        count = 2 if pair else _MOST_SPROCKETS  # of coordinates, of ends, of sprockets
-        of_one = get_args(hint)[0]
-        members = get_args(of_one) or (of_one,)
-        inside = dict.fromkeys(path for member in members for path in _inside(member))
-        for place in map(str, range(1, count + 1)):
-            yield place
-            yield from (f"{place}.{path}" for path in inside)

@@ -218,6 +218,21 @@ def test_plot_swallows_no_error(file, tmp_path, monkeypatch):
     assert "recorded" in done.output
 
 
+def test_settings_reach_into_mechanisms(tmp_path):
+    path = tmp_path / "pendulum.toml"
+    rc.save_scene(rc.Scene(pendulum()), path)
+    out = tmp_path / "run.nc"
+    settings = ["--set", "bodies.1.mass=3", "--set", "gravity.2=-1.62", "--duration", "1e-3"]
+    done = rustchain("run", path, *settings, "--out", out)
+    assert done.exit_code == 0, done.output
+    changed = rc.load_result(out).scene.system
+    assert (changed.bodies[0].mass, changed.gravity) == (3.0, (0.0, -1.62))
+    done = rustchain("check", path, "--set", "bodies.1.mas=3")
+    assert "did you mean 'bodies.1.mass'?" in done.output
+    done = rustchain("check", path, "--set", "simulation.start=static")
+    assert "'simulation.start' is no parameter; did you mean 'start'?" in done.output
+
+
 def test_plot_draws_what_a_mechanism_has(tmp_path):
     rc.Simulation(pendulum()).run(1e-2, progress=False).save(tmp_path / "run.nc")
     done = rustchain("plot", tmp_path / "run.nc", "--out", tmp_path)
