@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -24,7 +25,10 @@ def read_only(value: Any) -> Any:  # noqa: ANN401
 
 
 def equal(one: object, other: object) -> bool:
-    """Whether two values are the same to the last bit; NaN is equal to NaN."""
+    """Whether two values are the same to the last bit; NaN is equal to NaN.
+
+    Exceptions are equal where class and text are.
+    """
     if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
         if not (isinstance(one, np.ndarray) and isinstance(other, np.ndarray)):
             return False
@@ -33,8 +37,12 @@ def equal(one: object, other: object) -> bool:
         )
     if isinstance(one, Mapping) and isinstance(other, Mapping):
         return one.keys() == other.keys() and all(equal(one[name], other[name]) for name in one)
-    if isinstance(one, tuple) and isinstance(other, tuple):
+    if isinstance(one, list | tuple) and type(one) is type(other):
         return len(one) == len(other) and all(map(equal, one, other))
+    if isinstance(one, Exception) and isinstance(other, Exception):
+        return type(one) is type(other) and str(one) == str(other)
+    if isinstance(one, float) and isinstance(other, float) and math.isnan(one):
+        return math.isnan(other)
     return bool(one == other)
 
 

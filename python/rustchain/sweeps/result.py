@@ -16,6 +16,7 @@ from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 from rustchain.results.result import Result
+from rustchain.results.values import ArrayValue
 from rustchain.sweeps.cases import Axes, Parameters, dims_of, names_of
 
 if TYPE_CHECKING:
@@ -27,8 +28,11 @@ _Values: TypeAlias = npt.NDArray[Any]
 
 @named_attributes
 @dataclass(eq=False, repr=False)
-class SweepResult(HtmlView):
+class SweepResult(ArrayValue, HtmlView):
     """What the cases of a sweep came to, in the order of the cases.
+
+    Two of them are equal (``==``) where cases, values and warnings are, to the last bit, and errors
+    by class and text. Wall times do not count.
 
     The cases of a grid are ordered as in nested loops, the last axis changing fastest.
 

@@ -15,6 +15,7 @@ from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.html import HtmlView
 from rustchain.names import known_keywords, named_attributes
 from rustchain.results.result import Result
+from rustchain.results.values import ArrayValue
 from rustchain.simulation.run import Group
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
@@ -37,8 +38,8 @@ _STATISTICS = ("mean", "std", "low", "high", "count")
 
 @named_attributes
 @dataclass(frozen=True, eq=False, repr=False)
-class StudyResult(HtmlView):
-    """What several runs of each case came to.
+class StudyResult(ArrayValue, HtmlView):
+    """What several runs of each case came to; equal (``==``) where its runs are.
 
     Attributes
     ----------

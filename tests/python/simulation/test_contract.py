@@ -403,6 +403,27 @@ def test_a_study_measures_replicates(scene):
     assert found.statistics["value"].sel(statistic="std") > 0.0
 
 
+def test_sweeps_and_studies_are_equal_to_their_copies_and_repetitions(scene, tmp_path):
+    def swept(step=2e-4, **more):
+        axes = {"report_step": [1e-4, step], "rtol": [1e-6, -1.0]}  # the last one fails
+        with pytest.warns(rc.CaseWarning):
+            return rc.sweep(scene, axes, duration=4e-4, progress=False, **more)
+
+    def studied(runs=2):
+        measure = lambda result: {"work": result.energy.external_work[-1], "none": np.nan}  # noqa: E731
+        return rc.study(scene, measure, runs=runs, duration=3e-4, burn_in=0.0, progress=False)
+
+    for make, other in ((swept, swept(step=1e-4)), (studied, studied(runs=3))):
+        made = make()
+        copies = (copy.copy(made), copy.deepcopy(made), pickle.loads(pickle.dumps(made)))
+        for each in (*copies, make()):
+            assert each == made
+        assert made != other
+    stored = swept(store=tmp_path / "first")
+    assert stored == swept(store=tmp_path / "first") == swept(store=tmp_path / "second")
+    assert stored != swept(step=1e-4, store=tmp_path / "second")
+
+
 def test_a_wrong_keyword_gets_the_nearest(scene):
     with pytest.raises(TypeError, match="did you mean 'solver'"):
         rc.Simulation(scene, slver=rc.Solver())
