@@ -1,4 +1,4 @@
-"""Views of drives, reports, results, sweeps and studies in notebooks: a table and a picture."""
+"""Views of drives, mechanisms, reports and results in notebooks: a table and a picture."""
 
 from __future__ import annotations
 
@@ -16,11 +16,13 @@ if TYPE_CHECKING:
 
     from rustchain.analysis.summary import Summary
     from rustchain.description.drive import ChainDrive
+    from rustchain.description.mechanism.builder import Mechanism
     from rustchain.description.mechanism.report import MechanismReport
     from rustchain.description.report import DriveReport, Row
     from rustchain.results.result import Result
     from rustchain.sweeps.result import SweepResult
     from rustchain.sweeps.study import StudyResult
+    from rustchain.typing import Array
 
 _PICTURE = 420  # width of a picture [pixels]
 # What a scene may lack for a part of its view, which is then left out.
@@ -32,36 +34,53 @@ def html_of(value: Any) -> str:  # noqa: ANN401
     return _VIEWS[type(value).__name__](value)
 
 
-def _html_of_drive(drive: ChainDrive) -> str:
-    """Return the layout of a drive as a table, and the drive at its start."""
+def _html_of_system(system: ChainDrive | Mechanism) -> str:
+    """Return the report on a drive or a mechanism as a table, and its picture at the start."""
+    return _view(repr(system), _part(lambda: _table_of(system.check())), lambda: _picture(system))
 
-    def picture() -> Figure:
-        from rustchain.plot.picture import draw_drive
-        from rustchain.simulation.simulation import Simulation
 
+def _html_of_report(report: DriveReport | MechanismReport) -> str:
+    """Return a report as a table, and the picture of what it reports on."""
+    system = getattr(report, "drive", None) or getattr(report, "mechanism", None)
+    picture = "" if system is None else _part(lambda: _image(_picture(system)))
+    return _table_of(report) + picture
+
+
+def _table_of(report: DriveReport | MechanismReport) -> str:
+    rows = [row for row in report.rows() if row[0] != "warning"]
+    warnings = "".join(f"<p><b>warning:</b> {escape(text)}</p>" for text in report.warnings)
+    return html_table(rows) + warnings
+
+
+def _picture(system: ChainDrive | Mechanism, positions: Array | None = None) -> Figure:
+    """Return the picture of a drive or a mechanism, by default at its start."""
+    from rustchain.description.drive import ChainDrive
+    from rustchain.plot.picture import draw_drive, draw_mechanism
+    from rustchain.simulation.simulation import Simulation
+
+    if positions is None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the simulation to be run gives them
-            return draw_drive(drive, Simulation(drive).positions)
-
-    report = _part(lambda: _html_of_report(drive.check()))
-    return _view(repr(drive), report, picture)
-
-
-def _html_of_report(report: DriveReport) -> str:
-    """Return a report as a table."""
-    warnings = "".join(f"<p><b>warning:</b> {escape(text)}</p>" for text in report.warnings)
-    return html_table(report.rows()) + warnings
-
-
-def _html_of_assembly(report: MechanismReport) -> str:
-    """Return the lines of a report, set in characters of equal width."""
-    return f"<pre>{escape(str(report))}</pre>"
+            positions = Simulation(system).positions
+    if isinstance(system, ChainDrive):
+        return draw_drive(system, positions)
+    return draw_mechanism(system, positions)
 
 
 def _html_of_result(result: Result) -> str:
-    """Return the key figures of a result, and the tension of its strands."""
+    """Return the key figures of a result, and a figure.
+
+    The figure has the tension of the strands of a drive, or a mechanism at the end.
+    """
     summary = _part(lambda: result.summary()._repr_html_())
-    return _view(f"{result!r}: {result.message}", summary, lambda: result.plot.tension())
+    mechanism = result.scene.kind == "mechanism"
+
+    def picture() -> Figure:
+        if mechanism:
+            return _picture(result.scene.system, result.final_positions)
+        return result.plot.tension()
+
+    return _view(f"{result!r}: {result.message}", summary, picture)
 
 
 def _html_of_sweep(sweep: SweepResult) -> str:
@@ -118,9 +137,10 @@ def _image(figure: Figure) -> str:
 
 
 _VIEWS: dict[str, Callable[[Any], str]] = {
-    "ChainDrive": _html_of_drive,
+    "ChainDrive": _html_of_system,
     "DriveReport": _html_of_report,
-    "MechanismReport": _html_of_assembly,
+    "Mechanism": _html_of_system,
+    "MechanismReport": _html_of_report,
     "Result": _html_of_result,
     "StudyResult": _html_of_study,
     "Summary": _html_of_summary,

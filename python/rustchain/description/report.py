@@ -20,7 +20,7 @@ Row: TypeAlias = tuple[str, str | tuple[str, ...]]
 
 
 @named_attributes
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class DriveReport(HtmlView):
     """Initial configuration of a chain on its sprockets; ``print(report)`` shows it as a table.
 
@@ -93,6 +93,8 @@ class DriveReport(HtmlView):
         Warnings, as text.
     roller_play : float, optional
         Radial play of rollers on bushings [m], where rollers are bodies of their own.
+    drive : ChainDrive, optional
+        The drive.
     """
 
     links: int
@@ -126,6 +128,7 @@ class DriveReport(HtmlView):
     guide_place: tuple[str, ...]
     warnings: tuple[str, ...]
     roller_play: float | None = None
+    drive: ChainDrive | None = None
 
     @classmethod
     def of(cls, drive: ChainDrive) -> DriveReport:
@@ -133,7 +136,14 @@ class DriveReport(HtmlView):
         found = _rustchain.layout(drive)  # which refuses what is no drive
         chain = drive.chain
         play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
-        return cls(**{name: plain(value) for name, value in found.items()}, roller_play=play)
+        values = {name: plain(value) for name, value in found.items()}
+        return cls(**values, roller_play=play, drive=drive)
+
+    def __repr__(self) -> str:
+        """Return links, teeth and the number of warnings on one line."""
+        teeth = f"teeth {', '.join(map(str, self.teeth[:6]))}{', ...' if self.teeth[6:] else ''}"
+        chain = f"{self.links} links of {1e3 * self.pitch:g} mm"
+        return f"<DriveReport: {chain}, {teeth}, {len(self.warnings)} warnings>"
 
     @property
     def speed_ratio(self) -> float:

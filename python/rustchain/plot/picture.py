@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -14,9 +15,11 @@ from matplotlib.transforms import Bbox
 
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
+from rustchain.description.mechanism.builder import Mechanism
 from rustchain.plot.drive_shapes import shapes_of_drive
 from rustchain.plot.looks import LOOKS
-from rustchain.plot.shapes import force_points, outlines_at
+from rustchain.plot.mechanism_shapes import shapes_of_mechanism
+from rustchain.plot.shapes import Shapes, force_points, outlines_at
 from rustchain.plot.style import Ax, Figures, styled, subplots
 from rustchain.typing import Array
 
@@ -42,26 +45,8 @@ class DrivePicture(Figures):
         drive, chain = self.result.drive, self.result.drive.chain
         shapes = shapes_of_drive(drive)
         figure, axes = subplots(ax=ax)
-        covered: list[Path] = []  # outlines on which a number would be hard to read
-        for kind, look in LOOKS["light"].items():
-            for shape in (each for each in shapes.outlines if each.kind == kind):
-                outlines = outlines_at(shape, positions)
-                if not shape.closed:
-                    axes.add_collection(
-                        LineCollection(list(outlines), colors=look.edge, linewidths=1.0)
-                    )
-                    continue
-                face = "none" if look.face is None else to_rgba(look.face, look.opacity)
-                axes.add_collection(
-                    PolyCollection(
-                        list(outlines), facecolor=face, edgecolor=look.edge, linewidth=0.7
-                    )
-                )
-                if kind in ("sprocket", "rail", "load"):
-                    covered += [Path(outline) for outline in outlines]
-        low, high = shapes.extent(positions)
-        low, high = low - _MARGIN * chain.pitch, high + _MARGIN * chain.pitch
-        scale = min(8.0 / (high - low)[0], 10.0 / (high - low)[1])  # inches a metre
+        covered = _draw_outlines(axes, shapes, positions)
+        low, high, scale = _limits(shapes, positions)
         apart = np.clip(_NUMBERS_APART / scale, chain.pitch, 1.5 * chain.pitch)
         hinges = force_points(shapes.forces[0], positions)
         if drive.ends is not None:  # the one between both ends is none
@@ -80,14 +65,10 @@ class DrivePicture(Figures):
             x, y = _clear_place(here, apart * aside, covered, hinges)
             axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
 
-        width, height = (high - low) * scale
         if ax is None:
-            figure.set_size_inches(max(width, 3.0) + _LABELS[0], max(height, 0.5) + _LABELS[1])
-        axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"t = {time:.4g} s")
-        axes.grid(visible=False)
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
+            _fit(figure, (high - low) * scale)
+        axes.set(title=f"t = {time:.4g} s")
+        _label(axes, low, high)
         return figure
 
     def _snapshot(self, time: float | None) -> tuple[float, Array]:
@@ -107,6 +88,56 @@ class DrivePicture(Figures):
             )
             warn_caller(msg)
         return found, result.final_positions if row == last else result.initial_positions
+
+
+def draw_mechanism(mechanism: Mechanism, positions: Array) -> Figure:
+    """Draw a mechanism with its bodies at `positions`, (bodies, 3) [m, m, rad]."""
+    shapes = shapes_of_mechanism(mechanism)
+    figure, axes = subplots()
+    _draw_outlines(axes, shapes, positions)
+    low, high, scale = _limits(shapes, positions)
+    _fit(figure, (high - low) * scale)
+    _label(axes, low, high)
+    return figure
+
+
+def _draw_outlines(axes: Axes, shapes: Shapes, positions: Array) -> list[Path]:
+    """Draw all outlines; return those on which a number would be hard to read."""
+    covered: list[Path] = []
+    for kind, look in LOOKS["light"].items():
+        for shape in (each for each in shapes.outlines if each.kind == kind):
+            outlines = list(outlines_at(shape, positions))
+            if not shape.closed:
+                axes.add_collection(LineCollection(outlines, colors=look.edge, linewidths=1.0))
+                continue
+            face = "none" if look.face is None else to_rgba(look.face, look.opacity)
+            filled = PolyCollection(outlines, facecolor=face, edgecolor=look.edge, linewidth=0.7)
+            axes.add_collection(filled)
+            if kind in ("sprocket", "rail", "load"):
+                covered += [Path(outline) for outline in outlines]
+    return covered
+
+
+def _limits(shapes: Shapes, positions: Array) -> tuple[Array, Array, float]:
+    """Return the corners of what is drawn [m], and its scale [inches a metre]."""
+    low, high = shapes.extent(positions)
+    low, high = low - _MARGIN * shapes.size, high + _MARGIN * shapes.size
+    return low, high, min(8.0 / (high - low)[0], 10.0 / (high - low)[1])
+
+
+def _fit(figure: Figure, size: Array) -> None:
+    """Give a figure the size of its drawing [inches]."""
+    width, height = size
+    figure.set_size_inches(max(width, 3.0) + _LABELS[0], max(height, 0.5) + _LABELS[1])
+
+
+def _label(axes: Axes, low: Array, high: Array) -> None:
+    """Set limits and labels of both axes, in mm."""
+    axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set(xlabel="x [mm]", ylabel="y [mm]")
+    axes.grid(visible=False)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
 
 
 def draw_drive(drive: ChainDrive, positions: Array, *, ax: Ax = None) -> Figure:

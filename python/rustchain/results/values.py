@@ -46,10 +46,26 @@ def equal(one: object, other: object) -> bool:
     return bool(one == other)
 
 
+_LINE = 100  # characters of a repr
+
+
 class ArrayValue:
     """A value with arrays among its attributes, which can be compared, copied and pickled."""
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __init_subclass__(cls) -> None:
+        """Keep the short repr, which a dataclass would replace by one with all numbers."""
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = ArrayValue.__repr__  # type: ignore[method-assign]
+
+    def __repr__(self) -> str:
+        """Return the names of the arrays, and the number of rows."""
+        arrays = {name: each for name, each in vars(self).items() if isinstance(each, np.ndarray)}
+        rows = {len(each) for each in arrays.values()}
+        count = f"{rows.pop()} rows of " if len(rows) == 1 else ""
+        text = f"<{type(self).__name__}: {count}{', '.join(arrays)}>"
+        return text if len(text) <= _LINE else f"{text[: _LINE - 4]}...>"
 
     def __eq__(self, other: object) -> bool:
         """Return whether all attributes are equal, arrays to the last bit."""

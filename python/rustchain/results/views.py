@@ -227,6 +227,10 @@ class Peaks(ArrayValue):
 
     _result: Result
 
+    def __repr__(self) -> str:
+        """Return whose peaks these are."""
+        return f"<Peaks of {self._result!r}>"
+
     @property
     def hinge_force(self) -> Array:
         """Largest force of each hinge [N], (times, hinges)."""

@@ -80,7 +80,3 @@ class Evaluation(ArrayValue):
         """Refuse: an evaluation is a value."""
         msg = f"Evaluation.{name}: cannot be set"
         raise AttributeError(msg)
-
-    def __repr__(self) -> str:
-        """Return the names of the arrays."""
-        return f"<Evaluation: {', '.join(self.__dict__)}>"

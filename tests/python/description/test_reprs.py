@@ -18,6 +18,21 @@ SWEEP = rc.sweep(
     duration=1e-3,
     progress=False,
 )
+
+
+def bouncing_ball():
+    m = rc.Mechanism(name="ball <on> floor")
+    m.add_body("ball", 1.0, 1e-3, position=(0.5, 0.0505, 0.0), velocity=(0.0, -0.4, 0.0))
+    floor = [(0.9, 0.0), (0.1, 0.0)]
+    law = rc.LinearContact(1e5, 20.0)
+    m.add_outline_contact("floor", "ground", "ball", floor, 0.05, law, closed=False)
+    m.add_body("arm", 0.4, 1e-3, position=(0.05, 0.0, 0.0))
+    m.add_revolute("bearing", "ground", "arm", at=(0.0, 0.0))
+    return m
+
+
+MECHANISM = bouncing_ball()
+BOUNCE = rc.Simulation(MECHANISM).run(duration=4e-3, progress=False)
 STUDY = rc.study(DRIVE, runs=2, duration=4e-3, burn_in=2e-3, progress=False)
 SHOWN = {
     "drive": DRIVE,
@@ -26,7 +41,11 @@ SHOWN = {
     "summary": RESULT.summary(),
     "sweep": SWEEP,
     "study": STUDY,
+    "mechanism": MECHANISM,
+    "report of a mechanism": MECHANISM.check(),
+    "result of a mechanism": BOUNCE,
 }
+PICTURED = [name for name in SHOWN if name != "summary"]
 
 
 def test_a_repr_has_what_differs_from_the_default():
@@ -61,6 +80,41 @@ def test_a_repr_is_one_short_line(described):
     assert repr(described).startswith(type(described).__name__)
 
 
+@pytest.mark.parametrize(
+    "shown",
+    [
+        DRIVE.check(),
+        MECHANISM,
+        MECHANISM.check(),
+        RESULT.hinge(1),
+        RESULT.bushing(6),
+        RESULT.strand("upper"),
+        RESULT.sprocket(1),
+        RESULT.energy,
+        RESULT.peaks,
+        BOUNCE.energy,
+        BOUNCE.body("ball"),
+        BOUNCE.joint("bearing"),
+        BOUNCE.contact("floor"),
+        rc.Simulation(DRIVE).evaluate(),
+        RESULT,
+        SWEEP,
+        STUDY,
+    ],
+    ids=lambda shown: type(shown).__name__,
+)
+def test_a_repr_of_what_is_computed_is_one_line(shown):
+    assert "\n" not in repr(shown)
+    assert len(repr(shown)) <= 150
+    assert type(shown).__name__ in repr(shown)
+
+
+def test_a_repr_of_a_part_of_a_result_has_its_arrays_and_rows():
+    assert repr(RESULT.strand("upper")) == "<Strand: 41 rows of time, tension>"
+    assert repr(DRIVE.check()).startswith("<DriveReport: 38 links of 12.7 mm, teeth 17, 17, ")
+    assert repr(MECHANISM.check()).startswith("<MechanismReport: 4 degrees of freedom, 0 redund")
+
+
 @pytest.mark.parametrize("name", SHOWN)
 def test_a_notebook_gets_a_table(name):
     html = SHOWN[name]._repr_html_()
@@ -68,12 +122,12 @@ def test_a_notebook_gets_a_table(name):
     assert html.count("<tr") > 1
 
 
-@pytest.mark.parametrize("name", ["drive", "result", "sweep", "study"])
+@pytest.mark.parametrize("name", PICTURED)
 def test_a_notebook_gets_one_picture(name):
     assert SHOWN[name]._repr_html_().count("data:image/png;base64,") == 1
 
 
-@pytest.mark.parametrize("name", ["drive", "result", "sweep", "study"])
+@pytest.mark.parametrize("name", PICTURED)
 def test_without_matplotlib_the_table_stays(name, monkeypatch):
     for module in [name for name in sys.modules if name.startswith("rustchain.plot")]:
         monkeypatch.delitem(sys.modules, module)
@@ -96,3 +150,4 @@ def test_a_summary_prints_as_a_table_with_units_and_is_a_dict():
 def test_html_of_names_is_escaped():
     named = dataclasses.replace(DRIVE, name="<script>")
     assert "<script>" not in named._repr_html_()
+    assert "<on>" not in MECHANISM._repr_html_()

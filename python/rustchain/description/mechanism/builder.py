@@ -16,6 +16,7 @@ from rustchain.description.mechanism.parts import Body, Contact, Force, Joint
 from rustchain.description.mechanism.plausibility import implausible_inputs
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.errors import InvalidInput
+from rustchain.html import HtmlView
 from rustchain.names import known_keywords
 
 _PARTS: dict[str, type[Any]] = {
@@ -29,7 +30,7 @@ _PARTS: dict[str, type[Any]] = {
 @known_keywords
 @described
 @dataclass(repr=False)
-class Mechanism(WithJoints, WithForces, WithContacts):
+class Mechanism(WithJoints, WithForces, WithContacts, HtmlView):
     """Rigid bodies in the plane with joints, drivers, forces and contacts.
 
     Points are given in the frames of the bodies, which sit at the centres of mass; ``"ground"`` is
@@ -138,7 +139,8 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         from rustchain.description.solver import Solver
 
         found = _rustchain.MechanismCore(self, Solver()).check()
-        return MechanismReport(**found | {"warnings": found["warnings"] + implausible_inputs(self)})
+        found["warnings"] += implausible_inputs(self)
+        return MechanismReport(**found, mechanism=self.frozen())
 
 
 # Errors of a call, such as of a missing argument, name the method by this class. What else is wrong

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from rustchain.html import HtmlView
+
+if TYPE_CHECKING:
+    from rustchain.description.mechanism.builder import Mechanism
 
 # Changes of positions and velocities that are not told [m, rad, m/s, rad/s].
 _ROUNDING = 1e-12
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MechanismReport(HtmlView):
     """What assembling a mechanism found.
 
@@ -27,6 +31,8 @@ class MechanismReport(HtmlView):
         drivers; a body that is described without a velocity counts from rest.
     warnings : list of str
         Warnings, as text.
+    mechanism : Mechanism, optional
+        The mechanism.
     """
 
     degrees_of_freedom: int
@@ -36,17 +42,28 @@ class MechanismReport(HtmlView):
     velocity_change: float
     spin_change: float
     warnings: list[str]
+    mechanism: Mechanism | None = None
+
+    def __repr__(self) -> str:
+        """Return degrees of freedom and numbers of what is redundant and of warnings."""
+        return (
+            f"<MechanismReport: {self.degrees_of_freedom} degrees of freedom, "
+            f"{len(self.redundant)} redundant constraints, {len(self.warnings)} warnings>"
+        )
 
     def __str__(self) -> str:
         """Return the report, a line each."""
-        speeds = _changed(self.velocity_change, "m/s", self.spin_change, "rad/s")
-        lines = [
-            f"degrees of freedom   {self.degrees_of_freedom}",
-            f"redundant            {', '.join(self.redundant) or 'none'}",
-            f"positions            {_changed(self.moved, 'm', self.turned, 'rad')}",
-            f"velocities           {speeds}",
+        return "\n".join(f"{label:<21}{text}" for label, text in self.rows())
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Return the rows of the table: label and text."""
+        return [
+            ("degrees of freedom", str(self.degrees_of_freedom)),
+            ("redundant", ", ".join(self.redundant) or "none"),
+            ("positions", _changed(self.moved, "m", self.turned, "rad")),
+            ("velocities", _changed(self.velocity_change, "m/s", self.spin_change, "rad/s")),
+            *(("warning", text) for text in self.warnings),
         ]
-        return "\n".join(lines + [f"warning              {text}" for text in self.warnings])
 
 
 def _changed(way: float, unit: str, turn: float, unit_of_turn: str) -> str:
