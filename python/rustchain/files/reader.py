@@ -9,6 +9,8 @@ from typing import Any, Literal, get_args, get_origin
 
 from rustchain import _rustchain
 from rustchain.arguments import shown
+from rustchain.catalogue.generators import chain_drive, open_chain
+from rustchain.catalogue.standard import two_sprocket_drive
 from rustchain.description.base import Description
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
@@ -26,7 +28,7 @@ from rustchain.files.models import (
     tables_of,
     tag_of,
 )
-from rustchain.files.source import Key, Source, text_of
+from rustchain.files.source import Key, Source, name_of, text_of
 from rustchain.files.writer import NONE
 from rustchain.names import suggest
 from rustchain.paths import reason
@@ -88,6 +90,10 @@ def value_of_text(where: str, name: str, text: str) -> Any:  # noqa: ANN401
 
 
 _SYSTEMS = {"drive": ChainDrive, "mechanism": Mechanism}
+
+# Their `links` replace those of a chain that they are given.
+LINKS_OF_DRIVE: tuple[Maker, ...] = (chain_drive, open_chain, two_sprocket_drive)
+MOST_LINKS = 100_000  # of a Chain; holds a place until the links are counted
 
 
 class _Wrong:
@@ -214,7 +220,7 @@ class Reader:
             message = f"{shown(given)} is not known; {suggest(given, makers)}"
             return self.refuse((*key, "type"), message)
         before, fields = len(self._refusals), fields_of(makers[name])
-        entries = self.entries(value, fields, key)
+        entries = self.entries(self._with_links(value, makers[name], key), fields, key)
         made = {each: self.value(v, fields[each].hint, (*key, each)) for each, v in entries}
         if len(self._refusals) > before:
             return _WRONG
@@ -224,6 +230,32 @@ class Reader:
             refused = self.source.refusal(key, str(error))
             refused.__cause__ = error
             return self._keep(key, refused)
+
+    def _with_links(self, drive: Mapping[str, Any], maker: Maker, key: Key) -> Mapping[str, Any]:
+        """Return the table of a drive whose chain has the drive's number of links.
+
+        A number in the table of the chain is refused where the maker would replace it.
+        """
+        chain = drive.get("chain")
+        if not isinstance(chain, Mapping) or maker not in LINKS_OF_DRIVE:
+            return drive
+        links, own = drive.get("links"), chain.get("links")
+        if own is not None:
+            if maker is two_sprocket_drive and links in (None, own):
+                return drive
+            counted = "; without it they are counted" if maker is chain_drive else ""
+            message = (
+                f"{shown(own)}: is not used; remove it, and give the drive's number as "
+                f"{name_of((*key, 'links'))}{counted}"
+            )
+            self.refuse((*key, "chain", "links"), message)
+            return drive
+        if not isinstance(links, int):
+            if maker is two_sprocket_drive:
+                return drive
+            each = chain.get("elongation")
+            links = len(each) if isinstance(each, list) else MOST_LINKS
+        return {**drive, "chain": {**chain, "links": links}}
 
     def _numbers(self, name: str, key: Key) -> Any:  # noqa: ANN401
         """Return the numbers of another file, for ``{file = "..."}``."""

@@ -124,11 +124,19 @@ class _Schema:
             texts = descriptions_of(target)
             if maker is chain_of_catalogue:
                 texts |= {n: t for n, t in descriptions_of(Chain).items() if n not in texts}
-            table = self.table(fields_of(maker), texts)
+            table = self.table(_without_needed_links(maker), texts)
             table["properties"] = {"type": {"const": name}, **table["properties"]}
             first = inspect.cleandoc(target.__doc__ or "").split("\n")[0]
             self.definitions[name] = {"description": first, **table}
         return {"$ref": f"#/$defs/{name}"}
+
+
+def _without_needed_links(maker: Maker) -> dict[str, Field]:
+    """Return the fields of a table; a chain's `links` may be those of the drive that it is in."""
+    fields = dict(fields_of(maker))
+    if maker in (Chain, chain_of_catalogue):
+        fields["links"] = fields["links"]._replace(needed=False)
+    return fields
 
 
 def _as_json(value: object) -> Any:  # noqa: ANN401

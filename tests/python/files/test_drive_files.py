@@ -77,6 +77,61 @@ def test_the_example_runs_from_the_command_line_and_from_python(tmp_path):
     np.testing.assert_array_equal(same.final_positions, result.final_positions)
 
 
+COUNTED = """
+[drive]
+type = "{maker}"
+{links}
+[drive.chain]
+type = "catalogue_chain"
+name = "ANSI 40"
+{own}
+[[drive.sprockets]]
+teeth = 17
+[[drive.sprockets]]
+teeth = 25
+center = [0.4, 0.0]
+"""
+
+
+def test_a_chain_in_a_table_has_the_links_of_its_drive(tmp_path):
+    def links(given):
+        text = COUNTED.format(maker="chain_drive", links=given, own="seed = 3")
+        return rc.load_scene(written(tmp_path, text)).drive.chain
+
+    counted = rc.chain_drive("ANSI 40", [rc.Sprocket(17), rc.Sprocket(25, (0.4, 0.0))]).chain
+    assert links("").links == counted.links != 100
+    assert links("").seed == 3
+    assert links("links = 90").links == 90
+
+
+@pytest.mark.parametrize(
+    ("maker", "links", "own", "expected"),
+    [
+        ("chain_drive", "", 84, "remove it, .* as drive.links; without it they are counted$"),
+        ("chain_drive", "links = 84", 84, "remove it, .* as drive.links; without"),
+        ("open_chain", "links = 84", 84, "remove it, and give the drive's number as drive.links$"),
+    ],
+)
+def test_links_of_a_chain_that_would_be_ignored_are_refused(tmp_path, maker, links, own, expected):
+    path = written(tmp_path, COUNTED.format(maker=maker, links=links, own=f"links = {own}"))
+    with pytest.raises(rc.InvalidInput, match=f"line 8, .*drive.chain.links: 84: .*{expected}"):
+        rc.load_scene(path)
+
+
+def test_links_of_both_tables_of_a_drive_of_two_sprockets_must_agree(tmp_path):
+    text = """
+[drive]
+type = "two_sprocket_drive"
+links = 60
+[drive.chain]
+name = "ANSI 40"
+links = {own}
+"""
+    assert rc.load_scene(written(tmp_path, text.format(own=60))).drive.chain.links == 60
+    with pytest.raises(rc.InvalidInput, match=r"line 7, .*drive.chain.links: 62: is not used"):
+        rc.load_scene(written(tmp_path, text.format(own=62)))
+
+
 def test_options_take_the_place_of_what_the_file_says(tmp_path):
     text = """
 [drive]
