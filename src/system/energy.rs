@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 /// Energies \[J\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
-    /// Kinetic energy of all bodies, except the rotation of those with prescribed speed.
+    /// Kinetic energy of all bodies, except the rotation of a drive's sprockets of prescribed speed.
     pub kinetic: f64,
     /// Gravitational energy of all bodies that can move.
     pub gravity: f64,

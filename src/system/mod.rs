@@ -134,6 +134,12 @@ pub trait System: SecondOrderSystem + Clone + Debug {
         None
     }
 
+    /// Return the kinetic energy of prescribed rotations at the last evaluation that [`Self::energy`] leaves out \[J\]. Reports add it
+    /// to the kinetic energy, and its change to the external work; the residual is computed without both.
+    fn prescribed_energy(&self) -> f64 {
+        0.0
+    }
+
     /// Return `sums` without the energy stored by friction at the last evaluation.
     fn without_stored(&self, sums: Self::Powers) -> Self::Powers {
         sums

@@ -8,7 +8,8 @@ use crate::system::Energy;
 
 /// Return the energies at the last evaluation \[J\].
 ///
-/// Bodies with prescribed motion are supports: fixed centres, prescribed rotations, and anchored or free ends have no energy.
+/// Bodies with prescribed motion are supports: fixed centres, prescribed rotations ([`prescribed_energy`]), and anchored or free ends have
+/// no energy here.
 pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     let (model, motion) = (dynamics.model(), &dynamics.evaluated.motion);
     let mut energy = Energy::default();
@@ -61,6 +62,16 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
         energy.elastic += dynamics.stored().total();
     }
     energy
+}
+
+/// Return the kinetic energy of the prescribed rotations \[J\].
+pub(super) fn prescribed_energy(dynamics: &Dynamics) -> f64 {
+    let (model, motion) = (dynamics.model(), &dynamics.evaluated.motion);
+    let prescribed = model.sprockets.iter().enumerate();
+    let prescribed = prescribed.filter(|(_, s)| matches!(s.rotation, Rotation::Prescribed(_)));
+    prescribed
+        .map(|(s, sprocket)| 0.5 * sprocket.inertia * motion.spin[model.wheel_body(s)].powi(2))
+        .sum()
 }
 
 /// Return the elastic energy of all hinges, rollers and teeth \[J\].

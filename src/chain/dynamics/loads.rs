@@ -74,8 +74,8 @@ pub(crate) fn sprocket_acceleration(
 
 /// Return the powers of a sprocket's motor, applied torque, tensioner and dashpots.
 ///
-/// A sprocket with prescribed speed is a support: its own kinetic energy is not part of the balance. Its external work is the work of its
-/// teeth on the chain.
+/// A sprocket with prescribed speed is a support: its own kinetic energy is not part of the balance. Its external work is here the work of
+/// its teeth on the chain; reports add the change of that energy.
 pub(crate) fn outside_powers(
     sprocket: &SprocketModel,
     moves: &Moves,

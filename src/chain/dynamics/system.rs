@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::energy::prescribed_energy;
 use super::{Checkpoint, Dynamics, Losses, Powers};
 use crate::chain::model::{ContactLaw, Model};
 use crate::chain::report::{self, Groups, HINGES, ROLLERS};
@@ -109,6 +110,10 @@ impl System for Dynamics {
 
     fn energy(&self) -> Energy {
         self.energy()
+    }
+
+    fn prescribed_energy(&self) -> f64 {
+        prescribed_energy(self)
     }
 
     /// The work of friction contains the energy stored in bristles, which is not dissipated.

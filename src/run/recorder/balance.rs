@@ -6,6 +6,8 @@ use crate::system::Energy;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EnergyAtStart<P> {
     pub(super) total: f64,
+    /// Kinetic energy of prescribed rotations.
+    pub(super) prescribed: f64,
     pub(super) sums: P,
 }
 
