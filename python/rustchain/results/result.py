@@ -12,9 +12,10 @@ from rustchain import _rustchain
 from rustchain.analysis import Outputs
 from rustchain.arguments import checked_methods, shown
 from rustchain.description.scene import OfScene, Scene
-from rustchain.errors import NoSuchPart, NotRecorded
+from rustchain.errors import NotRecorded
 from rustchain.html import HtmlView
 from rustchain.names import named_attributes, suggest
+from rustchain.parts import place_of, position_of
 from rustchain.results.channels import OF_MECHANISMS, VARIABLES
 from rustchain.results.exports import Exports
 from rustchain.results.mechanism_views import BodyMotion, ContactHistory, JointHistory
@@ -162,14 +163,14 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         Hinge `links` of an open chain joins the last link and end 2, hinge `links` + 2 joins end 1
         and the first link; the one between is none.
         """
-        k = _position("hinge", number, self.drive.hinge_count)
+        k = position_of("hinge", number, self.drive.hinge_count)
         names = ("force", "force_vector", "penetration", "eccentricity")
         more = (self._if_recorded(f"hinge_{name}", k) for name in ("film_force", "onset_speed"))
         return Hinge(self.time, *(self._column(f"hinge_{name}", k) for name in names), *more)
 
     def bushing(self, number: int) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""
-        k = _position("bushing", number, self.drive.hinge_count)
+        k = position_of("bushing", number, self.drive.hinge_count)
         names = ("force", "penetration", "sprocket", "index", "region")
         more = (self._if_recorded(f"tooth_{name}", k) for name in ("force_vector", "onset_speed"))
         return Bushing(self.time, *(self._column(f"tooth_{name}", k) for name in names), *more)
@@ -179,7 +180,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         if self.drive.chain.roller is None:
             msg = "roller: the chain's rollers are no bodies of their own; see Chain.roller"
             raise NotRecorded(msg)
-        k = _position("roller", number, self.drive.hinge_count)
+        k = position_of("roller", number, self.drive.hinge_count)
         force, vector, penetration, eccentricity, onset_speed = (
             self._column(f"roller_{name}", k)
             for name in ("force", "force_vector", "penetration", "eccentricity", "onset_speed")
@@ -206,20 +207,20 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         """Return a strand by its name in `strand_names` or by its number there, from 1."""
         names = self.strand_names
         if not isinstance(name, str):
-            k = _position("strand", name, len(names))
+            k = position_of("strand", name, len(names))
         else:
-            k = _place("strand", name, names)
+            k = place_of("strand", name, names)
         return Strand(self.time, self._column("strand_tension", k))
 
     def sprocket(self, number: int) -> SprocketMotion:
         """Return sprocket `number`; 1 is the driver."""
-        k = _position("sprocket", number, len(self.drive.sprockets))
+        k = position_of("sprocket", number, len(self.drive.sprockets))
         names = ("angle", "speed", "torque", "center")
         return SprocketMotion(self.time, *(self._column(f"sprocket_{name}", k) for name in names))
 
     def end(self, number: int) -> ChainEnd:
         """Return end `number` of an open chain: 1 before its first link, 2 behind its last one."""
-        k = _position("end", number, 0 if self.drive.ends is None else 2)
+        k = position_of("end", number, 0 if self.drive.ends is None else 2)
         names = ("force", "position", "velocity")
         return ChainEnd(self.time, *(self._column(f"end_{name}", k) for name in names))
 
@@ -228,13 +229,13 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
 
         In arrays the guides follow the sprockets; a bushing's `sprocket` counts them on.
         """
-        k = _position("guide", number, len(self.drive.guides)) + len(self.drive.sprockets)
+        k = position_of("guide", number, len(self.drive.guides)) + len(self.drive.sprockets)
         names = ("angle", "speed", "torque", "center")
         return SprocketMotion(self.time, *(self._column(f"sprocket_{name}", k) for name in names))
 
     def body(self, name: str) -> BodyMotion:
         """Return a body by its name in `body_names`."""
-        k = _place("body", name, self.body_names)
+        k = place_of("body", name, self.body_names)
         return BodyMotion(
             self.time,
             self._column("positions", k),
@@ -245,7 +246,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
     def joint(self, name: str) -> JointHistory:
         """Return a joint or driver of a mechanism by its name in `joint_names`."""
         self._check_recorded("joint_reaction")
-        k = _place("joint", name, self.joint_names)
+        k = place_of("joint", name, self.joint_names)
         reaction = self._column("joint_reaction", k)
         others = (
             "joint_position_residual",
@@ -263,7 +264,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
     def contact(self, name: str) -> ContactHistory:
         """Return a contact of a mechanism by its name in `contact_names`."""
         self._check_recorded("contact_force")
-        k = _place("contact", name, self.contact_names)
+        k = place_of("contact", name, self.contact_names)
         names = (
             "contact_force",
             "contact_penetration",
@@ -292,23 +293,3 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
     def peaks(self) -> Peaks:
         """The largest forces and impulses between the report times."""
         return Peaks(self)
-
-
-def _position(part: str, number: int, count: int) -> int:
-    """Return the place in arrays of the part with this number."""
-    if not 1 <= number <= count:
-        near = min(max(number, 1), count)
-        msg = (
-            f"{part} {shown(number)}: {part}s are numbered 1 to {count}; the nearest is {near}"
-            if count
-            else f"{part} {shown(number)}: there is none"
-        )
-        raise NoSuchPart(msg)
-    return number - 1
-
-
-def _place(part: str, name: str, names: tuple[str, ...]) -> int:
-    """Return the place in arrays of the part with this name."""
-    if name not in names:
-        raise NoSuchPart(f"{part}: {shown(name)} is no {part}; {suggest(name, names)}")
-    return names.index(name)

@@ -141,11 +141,10 @@ class Simulation(Present):
         Raises
         ------
         NoSuchPart
-            The mechanism has no such driver.
+            There is no such sprocket or driver.
         InvalidInput
-            There is no such sprocket, or the part is not driven by a speed. The table is not valid,
-            the chain would be faster than 1000 m/s, the limit of descriptions, or other joints do
-            not permit the speed.
+            The part is not driven by a speed, the table is not valid, the chain would be faster
+            than 1000 m/s, the limit of descriptions, or other joints do not permit the speed.
         """
         self._set("speed", part, speed)
 
@@ -165,10 +164,10 @@ class Simulation(Present):
         Raises
         ------
         NoSuchPart
-            The mechanism has no such torque.
+            There is no such sprocket or torque.
         InvalidInput
-            There is no such sprocket, its speed is prescribed, the torque is a curve over speed,
-            the table is not valid, or its values exceed the limits of descriptions.
+            The speed of the sprocket is prescribed, the torque is a curve over speed, the table is
+            not valid, or its values exceed the limits of descriptions.
         """
         self._set("torque", part, torque)
 

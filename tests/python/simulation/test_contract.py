@@ -282,6 +282,17 @@ def test_the_energy_balance_continues_over_speeds_and_torques_that_are_set(scene
     assert np.abs(energy.residual).max() < 0.01 * exchanged
 
 
+def test_a_part_that_is_not_there_gets_the_nearest(scene):
+    simulation = rc.Simulation(scene)
+    (part, _), load = INPUTS[scene.kind]
+    for call, name in ((simulation.set_speed, part), (simulation.set_torque, load)):
+        with pytest.raises(rc.NoSuchPart, match=f"did you mean '{name}'"):
+            call(name.replace("o", "oo", 1), 1.0)
+        for wrong in (0, 99, True, None, [name]):
+            with pytest.raises(rc.NoSuchPart, match=r"nearest is|known: "):
+                call(wrong, 1.0)
+
+
 def test_a_part_without_the_quantity_gets_an_error_and_the_run_stays_as_it_was(scene):
     simulation = rc.Simulation(scene)
     (part, _), load = INPUTS[scene.kind]
