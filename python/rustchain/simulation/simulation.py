@@ -143,8 +143,9 @@ class Simulation(Present):
         NoSuchPart
             There is no such sprocket or driver.
         InvalidInput
-            The part is not driven by a speed, the table is not valid, the chain would be faster
-            than 1000 m/s, the limit of descriptions, or other joints do not permit the speed.
+            The part is not driven by a speed, or the table is not valid. Or the chain would be
+            faster than 1000 m/s, the limit of descriptions, or other joints do not permit the
+            speed.
         """
         self._set("speed", part, speed)
 
