@@ -90,6 +90,7 @@ def sweep(
 
 def study(
     drive: Drive,
+    *,
     runs: Annotated[int, typer.Option(help="Runs of each case, from slightly other starts.")] = 8,
     duration: Annotated[
         float | None, typer.Option(help="Simulated time of each [s]; 0.5, where the file has none.")

@@ -28,6 +28,7 @@ _NETCDF = ("", ".nc", ".nc4", ".cdf", ".h5", ".hdf5")
 
 def run(
     drive: Drive,
+    *,
     duration: Annotated[
         float | None, typer.Option(help="Simulated time [s]; 2, where the file has none.")
     ] = None,

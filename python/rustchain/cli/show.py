@@ -38,6 +38,7 @@ Duration = Annotated[
 
 def animate(
     source: Source,
+    *,
     duration: Duration = None,
     settings: Settings = None,
     start: Annotated[float | None, typer.Option(help="Begin of what is shown [s].")] = None,
@@ -86,6 +87,7 @@ def animate(
 
 def report(
     source: Source,
+    *,
     duration: Duration = None,
     settings: Settings = None,
     start: Annotated[float | None, typer.Option(help="Begin of what is reported [s].")] = None,
