@@ -1,6 +1,7 @@
 //! Statics of a mechanism: drivers held, loads of the first instant, forces and displacements of an iteration to equilibrium.
 
 use super::assembly::projection::AtHand;
+use super::contact::compiled_contact::CompiledContact;
 use super::description::driver::Motion;
 use super::description::force_element::ForceKind;
 use super::dynamics::MechanismDynamics;
@@ -8,8 +9,15 @@ use super::forces::loads::Loads;
 use super::model::MechanismModel;
 use super::step::ITERATIONS;
 use crate::error::{Error, Result};
+use crate::math::Signal;
 
 impl MechanismModel {
+    /// Return whether a contact or pin has friction, or a contact a lubricant film, which a model at rest leaves out.
+    pub(crate) fn has_friction(&self) -> bool {
+        let rubs = |contact: &CompiledContact| contact.friction.is_some() || contact.film.is_some();
+        self.contacts.iter().any(rubs) || !self.pins.is_empty() || self.bristles > 0
+    }
+
     /// Return the model with its drivers held at their initial positions, and torques over speed at the initial speeds.
     ///
     /// Nothing slides at rest: friction and lubricant films carry no load.
@@ -63,15 +71,17 @@ impl MechanismModel {
 }
 
 impl MechanismDynamics {
-    /// Return the largest load on a body by its weight, a force element or a joint at the last evaluation \[N\]; moments are divided by the
+    /// Return the size of a load on a body \[N\], whose moment is divided by the length of the body's angle; zero on a fixed body.
+    fn size_of_load(&self, lengths: &[f64], body: usize, load: [f64; 3]) -> f64 {
+        self.model.first[body].map_or(0.0, |i| {
+            load[0].hypot(load[1]).max(load[2].abs() / lengths[i + 2])
+        })
+    }
+
+    /// Return the largest load on a body by its weight or a force element at the last evaluation \[N\]; moments are divided by the
     /// `lengths` of the angles.
     pub(crate) fn largest_load(&self, lengths: &[f64]) -> f64 {
         let model = &self.model;
-        let of_body = |body: usize, load: [f64; 3]| {
-            model.first[body].map_or(0.0, |i| {
-                load[0].hypot(load[1]).max(load[2].abs() / lengths[i + 2])
-            })
-        };
         let weights = model.first.iter().zip(&model.bodies);
         let weights = weights.filter(|(first, _)| first.is_some());
         let weights = weights.map(|(_, body)| body.mass * model.gravity.norm());
@@ -83,20 +93,36 @@ impl MechanismDynamics {
             }
             force.add(0.0, &self.frames, &mut loads);
             for body in [force.a.body, force.b.body] {
-                largest = largest.max(of_body(body, loads.on[body]));
-            }
-        }
-        for (row, lambda) in self
-            .constraints
-            .rows
-            .iter()
-            .zip(&self.constraints.multipliers)
-        {
-            for (&body, part) in row.bodies.iter().zip(&row.jacobian) {
-                largest = largest.max(of_body(body, part.map(|part| lambda * part)));
+                largest = largest.max(self.size_of_load(lengths, body, loads.on[body]));
             }
         }
         largest
+    }
+
+    /// Return the largest reaction of a constraint on a body at the last evaluation \[N\], as of [`Self::largest_load`].
+    pub(crate) fn largest_reaction(&self, lengths: &[f64]) -> f64 {
+        let constraints = &self.constraints;
+        let mut largest: f64 = 0.0;
+        for (row, lambda) in constraints.rows.iter().zip(&constraints.multipliers) {
+            for (&body, part) in row.bodies.iter().zip(&row.jacobian) {
+                let load = part.map(|part| lambda * part);
+                largest = largest.max(self.size_of_load(lengths, body, load));
+            }
+        }
+        largest
+    }
+
+    /// Return the name of a force element that is zero at the first instant and not later.
+    pub(crate) fn load_that_grows(&self) -> Option<&str> {
+        let grows = |signal: &Signal| signal.value(0.0) == 0.0 && !signal.is_zero();
+        let force = self.model.forces.iter().find(|force| match &force.kind {
+            ForceKind::Force { x, y, .. } => {
+                x.value(0.0) == 0.0 && y.value(0.0) == 0.0 && (grows(x) || grows(y))
+            }
+            ForceKind::Torque(torque) => grows(torque),
+            _ => false,
+        })?;
+        Some(&force.name)
     }
 
     /// Return of each contact the speed of the circle relative to the profile \[m/s\], a lower bound of the gap \[m\], and the clearance in

@@ -156,6 +156,11 @@ impl System for MechanismDynamics {
         sums
     }
 
+    fn kinetic_energy_at(&self, speed: f64) -> f64 {
+        let free = self.model.bodies.iter().filter(|body| !body.fixed);
+        0.5 * free.map(|body| body.mass).sum::<f64>() * speed * speed
+    }
+
     /// Energy exchanged between two reports, as in a bounce, is included.
     fn energy_at_step_end(&self) -> Option<Energy> {
         Some(self.energies())

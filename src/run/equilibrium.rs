@@ -21,7 +21,7 @@ use crate::multibody::{DriveContacts, Mechanism, MechanismModel};
 use held_drive::{held, lay_taut};
 use resting_drive::RestingDrive;
 use resting_mechanism::RestingMechanism;
-use settling::{Settled, settle};
+use settling::{Resting, Settled, settle};
 
 /// Drive or mechanism in static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub struct Equilibrium {
     /// Largest unbalanced force on a body \[N\]; moments of links are divided by half the pitch, those of bodies of mechanisms by the
     /// distance of their farthest joint or contact.
     pub residual: f64,
-    /// Largest contact force \[N\].
+    /// Largest contact force; of a mechanism without contact, its largest weight or force element \[N\].
     pub largest_force: f64,
     /// Number of iterations.
     pub iterations: u32,
@@ -67,16 +67,13 @@ impl Equilibrium {
             ..*laws
         };
         let model = Model::compile(&held(drive, &layout), &frictionless, &at_rest)?;
-        let mut resting = RestingDrive::new(Arc::new(model), &at_rest);
-        let settled = settle(&mut resting, give_up).map_err(|failed| {
-            let causes = refusal::causes(drive, &layout);
-            refuse("drive", &failed, resting.largest_force(), &causes)
-        })?;
-        let largest_force = resting.largest_force();
+        let mut resting = RestingDrive::new(Arc::new(model), &at_rest, frictionless != *laws);
+        let causes = |_: &_| refusal::causes(drive, &layout);
+        let settled = rest("drive", &mut resting, give_up, causes)?;
         let mut start = moved(drive, (laid, &layout), resting.body_positions())?;
         resting.move_along_contacts(&mut start);
         start.surfaces = resting.dynamics.stored_surfaces();
-        Ok(Self::of(start, &settled, largest_force))
+        Ok(Self::of(start, &settled))
     }
 
     /// Find the static equilibrium of `drive` with ideal hinges, from its generated configuration; `give_up` as of
@@ -92,19 +89,16 @@ impl Equilibrium {
         let (laid, layout) = lay_taut(drive, give_up)?;
         let mechanism =
             Mechanism::from_drive(&held(drive, &layout), contacts, Some(&still(&laid)))?;
-        let model = MechanismModel::compile(&mechanism)?.held();
+        let model = MechanismModel::compile(&mechanism)?;
         let mut resting = RestingMechanism::assemble(model, give_up)?;
-        let settled = settle(&mut resting, give_up).map_err(|failed| {
-            let causes = refusal::causes(drive, &layout);
-            refuse("drive", &failed, resting.largest_force(), &causes)
-        })?;
-        let largest_force = resting.largest_force();
+        let causes = |_: &_| refusal::causes(drive, &layout);
+        let settled = rest("drive", &mut resting, give_up, causes)?;
         let mut positions = resting.dynamics.motion(false);
         positions.truncate(laid.positions.len());
         let mut start = moved(drive, (laid, &layout), positions)?;
         resting.move_along_contacts(&mut start.velocities);
         start.surfaces = resting.dynamics.stored_surfaces();
-        Ok(Self::of(start, &settled, largest_force))
+        Ok(Self::of(start, &settled))
     }
 
     /// Find the static equilibrium of `mechanism` from its described positions, with its drivers at their initial positions; `give_up` as
@@ -114,25 +108,25 @@ impl Equilibrium {
     /// If the mechanism is invalid or cannot be assembled, or there is no equilibrium because nothing holds a load, with the remaining
     /// force and the body.
     pub fn of_mechanism(mechanism: &Mechanism, give_up: &dyn Fn() -> bool) -> Result<Self> {
-        let model = MechanismModel::compile(mechanism)?.held();
+        let model = MechanismModel::compile(mechanism)?;
         let mut resting = RestingMechanism::assemble(model, give_up)?;
-        let settled = settle(&mut resting, give_up).map_err(|failed| {
-            let causes = resting.causes();
-            refuse("mechanism", &failed, resting.largest_force(), &causes)
-        })?;
+        let settled = rest("mechanism", &mut resting, give_up, RestingMechanism::causes)?;
+        if let Some(why) = resting.singular() {
+            return Err(Error::Impossible(format!("start=\"static\": {why}")));
+        }
         let start = InitialConfiguration {
             positions: resting.dynamics.motion(false),
             velocities: mechanism.bodies.iter().map(|body| body.velocity).collect(),
             surfaces: resting.dynamics.stored_surfaces(),
         };
-        Ok(Self::of(start, &settled, resting.largest_force()))
+        Ok(Self::of(start, &settled))
     }
 
-    fn of(start: InitialConfiguration, settled: &Settled, largest_force: f64) -> Self {
+    fn of(start: InitialConfiguration, settled: &Settled) -> Self {
         Self {
             start,
             residual: settled.residual,
-            largest_force,
+            largest_force: settled.largest_force,
             iterations: settled.iterations,
         }
     }
@@ -164,14 +158,31 @@ fn moved(
     })
 }
 
-/// Return the error of a search without equilibrium.
-fn refuse(what: &str, failed: &Settled, largest_force: f64, causes: &str) -> Error {
-    let Settled {
-        residual,
-        iterations,
-    } = failed;
-    Error::Impossible(format!(
-        "start=\"static\": the {what} does not come to rest: {residual:.3e} N are left unbalanced after {iterations} iterations, beside \
-         contacts of {largest_force:.3e} N; {causes}"
-    ))
+/// Iterate `system` to equilibrium.
+///
+/// # Errors
+/// The remaining force and the `causes`, if it does not come to rest.
+fn rest<S: Resting>(
+    what: &str,
+    system: &mut S,
+    give_up: &dyn Fn() -> bool,
+    causes: impl FnOnce(&S) -> String,
+) -> Result<Settled> {
+    settle(system, give_up).map_err(|failed| {
+        let Settled {
+            residual,
+            largest_force,
+            iterations,
+        } = failed;
+        let friction = if system.leaves_friction_out() {
+            "; friction is left out here: what it alone holds slides"
+        } else {
+            ""
+        };
+        Error::Impossible(format!(
+            "start=\"static\": the {what} does not come to rest: {residual:.3e} N are left unbalanced after {iterations} iterations, \
+             beside forces of {largest_force:.3e} N; {}{friction}",
+            causes(system)
+        ))
+    })
 }

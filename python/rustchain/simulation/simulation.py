@@ -58,7 +58,7 @@ class Simulation(Present):
         The simulated scene.
     rest : dict, optional
         Of a static start: ``residual``, the largest unbalanced force [N], ``largest_force`` of a
-        contact [N], and ``iterations``.
+        contact, or of a load or weight of mechanisms where nothing touches [N], and ``iterations``.
 
     Raises
     ------
@@ -227,7 +227,7 @@ class Simulation(Present):
         record : sequence of groups, optional
             What to record: of drives "hinges", "teeth", "sprockets", "bodies" and "energy", by
             default all but the bodies; of mechanisms "bodies", "joints", "contacts" and "energy",
-            by default all.
+            by default all. Drives with ideal hinges have "joints" and "contacts", too.
         energy : bool, optional
             False takes the energy balance out of `record`, True puts it in. The energies of a chain
             are integrated along every step, with one to seven more evaluations: a run takes 1.5

@@ -52,29 +52,24 @@ pub(super) struct RestingDrive {
     rates: Vec<f64>,
     /// Largest external force \[N\].
     applied: f64,
+    frictional: bool,
 }
 
 impl RestingDrive {
-    pub(super) fn new(model: Arc<Model>, start: &InitialConfiguration) -> Self {
+    /// `frictional`: the drive has friction, which `model` leaves out.
+    pub(super) fn new(model: Arc<Model>, start: &InitialConfiguration, frictional: bool) -> Self {
         let mut places = Places::new(model.bodies());
         places.set(&start.positions, &start.velocities);
         let mut y = vec![0.0; 2 * model.coordinates];
         places.write(&model, &mut y);
         Self {
             applied: applied_force(&model),
+            frictional,
             dynamics: Dynamics::new(model),
             places,
             rates: vec![0.0; y.len()],
             y,
         }
-    }
-
-    /// Return the largest contact force at the last evaluation \[N\].
-    pub(super) fn largest_force(&self) -> f64 {
-        let hinges = self.dynamics.hinge_contacts().map(|(_, force)| force);
-        let rollers = self.dynamics.roller_contacts().map(|(_, force)| force);
-        let teeth = self.dynamics.candidates().map(|(_, _, _, force)| force);
-        hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
     }
 
     /// Return the positions of all bodies.
@@ -131,6 +126,17 @@ impl Resting for RestingDrive {
 
     fn reference_force(&self) -> f64 {
         self.applied.max(self.largest_force())
+    }
+
+    fn largest_force(&self) -> f64 {
+        let hinges = self.dynamics.hinge_contacts().map(|(_, force)| force);
+        let rollers = self.dynamics.roller_contacts().map(|(_, force)| force);
+        let teeth = self.dynamics.candidates().map(|(_, _, _, force)| force);
+        hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
+    }
+
+    fn leaves_friction_out(&self) -> bool {
+        self.frictional
     }
 
     fn store_surfaces(&mut self) {

@@ -25,6 +25,11 @@ const SHORT_CONTACT_SHARE: f64 = 0.02;
 const MOST_ITERATIONS: u32 = 20_000;
 /// Rotation or displacement, in sizes of the mechanism, from which on a body without equilibrium counts as moved without end.
 const FAR: f64 = 10.0;
+/// Displacement that counts as rounding, in roundings of the positions.
+const ROUNDINGS: f64 = 4.0;
+/// Ratio of the largest reaction of a joint to the largest load from which on a position counts as singular. A toggle at 0.001° has 3e4, a
+/// straight chain of two to twenty bars between fixed points 1e6 to 4e6, by rounding.
+const SINGULAR: f64 = 1e5;
 
 /// Mechanism at rest.
 pub(super) struct RestingMechanism {
@@ -37,12 +42,15 @@ pub(super) struct RestingMechanism {
     lengths: Vec<f64>,
     /// Size of the assembled mechanism \[m\].
     size: f64,
+    /// True if the described mechanism has friction, which this one leaves out.
+    frictional: bool,
 }
 
 impl RestingMechanism {
-    /// Assemble `model`, whose drivers are held.
+    /// Assemble `model` with its drivers held.
     pub(super) fn assemble(model: MechanismModel, give_up: &dyn Fn() -> bool) -> Result<Self> {
-        let mut dynamics = MechanismDynamics::new(Arc::new(model));
+        let frictional = model.has_friction();
+        let mut dynamics = MechanismDynamics::new(Arc::new(model.held()));
         let mut state = dynamics.assemble_unless(give_up)?.state;
         let n = state.len() / 2;
         state[n..].fill(0.0);
@@ -56,11 +64,11 @@ impl RestingMechanism {
             dynamics,
             state,
             lengths,
+            frictional,
         })
     }
 
-    /// Return the largest contact force at the last evaluation \[N\].
-    pub(super) fn largest_force(&self) -> f64 {
+    fn largest_contact_force(&self) -> f64 {
         let forces = self.dynamics.contact_forces().into_iter();
         forces.fold(0.0, |most: f64, [x, y]| most.max(x.hypot(y)))
     }
@@ -88,13 +96,37 @@ impl RestingMechanism {
                 name(i),
                 self.state[i] - self.begin[i]
             ),
-            None => largest(&|i| self.force(i)).map_or(String::new(), |i| {
-                format!(
-                    "the largest force is left on body {:?}: begin nearer to rest",
-                    name(i)
-                )
-            }),
+            None => {
+                let left = largest(&|i| self.force(i)).map_or(String::new(), |i| {
+                    format!("the largest force is left on body {:?}", name(i))
+                });
+                format!("{left}: {}", self.remedy())
+            }
         }
+    }
+
+    /// Return the remedy for a mechanism that no body has left.
+    fn remedy(&self) -> String {
+        if let Some(force) = self.dynamics.load_that_grows() {
+            return format!(
+                "force {force:?} is zero at t = 0 and grows later, and the loads here are those of t = 0: give it its value from the \
+                 beginning, a Tensioner by ramp_time = 0"
+            );
+        }
+        self.singular()
+            .unwrap_or_else(|| "begin nearer to rest".to_string())
+    }
+
+    /// Return a description of a singular position, where reactions exceed all loads.
+    pub(super) fn singular(&self) -> Option<String> {
+        let load = self.reference_force();
+        let reaction = self.dynamics.largest_reaction(&self.lengths);
+        (load > 0.0 && reaction > SINGULAR * load).then(|| {
+            format!(
+                "joints bear {reaction:.1e} N under loads of {load:.1e} N, as in a stretched chain of bars, where no finite force is \
+                 in balance: give it slack"
+            )
+        })
     }
 
     /// Return the accelerations at other positions, at rest.
@@ -153,8 +185,36 @@ impl Resting for RestingMechanism {
     }
 
     fn reference_force(&self) -> f64 {
-        self.largest_force()
+        self.largest_contact_force()
             .max(self.dynamics.largest_load(&self.lengths))
+    }
+
+    /// Rotations are compared with a radian, displacements with the size of the mechanism, each with the largest position.
+    fn is_rounding(&self, step: &[f64]) -> bool {
+        let farthest = |first: usize, least: f64| {
+            let rows = self.state[..step.len()].chunks_exact(3);
+            let parts = rows.flat_map(|row| if first == 2 { &row[2..] } else { &row[..2] });
+            parts.fold(least, |most: f64, q| most.max(q.abs()))
+        };
+        let (displacement, rotation) = (farthest(0, self.size), farthest(2, 1.0));
+        step.chunks_exact(3).all(|step| {
+            step[0].hypot(step[1]) <= ROUNDINGS * f64::EPSILON * displacement
+                && step[2].abs() <= ROUNDINGS * f64::EPSILON * rotation
+        })
+    }
+
+    /// Return the largest contact force at the last evaluation \[N\]; without contact, the largest weight or force element.
+    fn largest_force(&self) -> f64 {
+        let contact = self.largest_contact_force();
+        if contact > 0.0 {
+            contact
+        } else {
+            self.reference_force()
+        }
+    }
+
+    fn leaves_friction_out(&self) -> bool {
+        self.frictional
     }
 
     fn store_surfaces(&mut self) {

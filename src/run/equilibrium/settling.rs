@@ -14,6 +14,9 @@ const MOST_RENEWALS: u32 = 4;
 const FIRST_TRY: u32 = 1500;
 /// Tolerated unbalanced force, over the largest contact force or external force.
 const TOLERANCE: f64 = 1e-7;
+/// Tolerated unbalanced force over the same reference where the positions cannot be moved closer. A spring of 1e12 N/m that is 1 m long and
+/// bears 10 N has 1e-5 of it.
+const TOLERANCE_OF_ROUNDING: f64 = 1e-3;
 /// Fraction of the tolerance that refinement aims at. Sagging strands are soft: a force of 1e-7 of their tension moves a link by more than
 /// its contacts do.
 const SOUGHT: f64 = 0.1;
@@ -37,8 +40,20 @@ pub(super) trait Resting {
     /// Evaluate the accelerations at the present positions, at rest; return the largest unbalanced force \[N\].
     fn unbalanced(&mut self) -> f64;
 
-    /// Return the largest contact force or external force at the last evaluation \[N\].
+    /// Return the largest contact force or external force at the last evaluation \[N\]. Reactions of joints are none: near a singular
+    /// position they grow beyond any load.
     fn reference_force(&self) -> f64;
+
+    /// Return whether `step` is within the rounding of the positions.
+    fn is_rounding(&self, _step: &[f64]) -> bool {
+        false
+    }
+
+    /// Return the largest contact force at the last evaluation \[N\].
+    fn largest_force(&self) -> f64;
+
+    /// Return whether the description has friction, which equilibrium leaves out.
+    fn leaves_friction_out(&self) -> bool;
 
     /// Store the present surface of each contact.
     fn store_surfaces(&mut self);
@@ -58,6 +73,8 @@ pub(super) trait Resting {
 pub(super) struct Settled {
     /// Largest unbalanced force \[N\].
     pub(super) residual: f64,
+    /// [`Resting::largest_force`].
+    pub(super) largest_force: f64,
     /// Number of iterations.
     pub(super) iterations: u32,
 }
@@ -72,8 +89,9 @@ pub(super) fn settle(
     let begin = system.positions().to_vec();
     let mut step = vec![0.0; begin.len()];
     let (mut renewals, mut refinements, mut iterations, mut second) = (0, 0, 0, false);
+    let mut tolerance = TOLERANCE;
     loop {
-        let allowed = TOLERANCE * system.reference_force();
+        let allowed = tolerance * system.reference_force();
         let refines = residual <= allowed
             && residual > SOUGHT * allowed
             && refinements < MOST_REFINEMENTS
@@ -87,9 +105,10 @@ pub(super) fn settle(
                 system.store_surfaces();
                 residual = system.unbalanced();
             }
-            if !renews || residual <= TOLERANCE * system.reference_force() {
+            if !renews || residual <= tolerance * system.reference_force() {
                 return Ok(Settled {
                     residual,
+                    largest_force: system.largest_force(),
                     iterations,
                 });
             }
@@ -97,6 +116,7 @@ pub(super) fn settle(
         if iterations == system.most_iterations() || !residual.is_finite() || give_up() {
             return Err(Settled {
                 residual,
+                largest_force: system.largest_force(),
                 iterations,
             });
         }
@@ -117,6 +137,11 @@ pub(super) fn settle(
             gamma *= 0.25;
             continue;
         }
+        tolerance = if gamma == system.longest_gamma() && system.is_rounding(&step) {
+            TOLERANCE_OF_ROUNDING
+        } else {
+            TOLERANCE
+        };
         // The step is shortened to the largest permitted displacement.
         let share = (1.0 / system.excess(&step, second)).min(1.0);
         if !system.move_by(share, &step) {

@@ -225,6 +225,69 @@ def test_what_nothing_holds_is_refused_by_name():
         rc.Simulation(falling, start="static")
 
 
+@pytest.mark.parametrize("count", [2, 3, 20])
+def test_a_taut_straight_chain_is_not_at_rest(count):
+    # No finite tension carries a weight across a straight chain.
+    points = [(0.1 * i, 0.0) for i in range(count + 1)]
+    mechanism = bars(points, [0.05] * count)
+    mechanism.add_revolute("end", f"bar {count - 1}", "ground", at=points[-1])
+    with pytest.raises(rc.InvalidInput, match="no finite force is in balance: give it slack"):
+        rc.Simulation(mechanism, start="static")
+
+
+def test_a_toggle_near_its_dead_centre_rests():
+    """Two bars at 0.01 degrees: the reaction is the weight of one over twice the tangent."""
+    angle = np.deg2rad(0.01)
+    points = [(0.0, 0.0), (1.0, -np.tan(angle)), (2.0, 0.0)]
+    mechanism = bars(points, [1.0, 1.0])
+    mechanism.add_revolute("end", "bar 1", "ground", at=points[-1])
+    simulation = at_rest(mechanism)
+    assert simulation.rest["largest_force"] == pytest.approx(GRAVITY)
+    reaction = np.hypot(*simulation.evaluate().joint_reaction[0, :2])
+    assert reaction == pytest.approx(GRAVITY / (2 * np.tan(angle)), rel=1e-4)
+
+
+@pytest.mark.parametrize("stiffness", [1e8, 1e12])
+def test_a_stiff_spring_holds_to_the_rounding_of_the_positions(stiffness):
+    mechanism = rc.Mechanism(name="mass on a stiff spring")
+    mechanism.add_body("mass", 1.0, 1.0, position=(0.0, -1.0, 0.0))
+    mechanism.add_prismatic("guide", "ground", "mass", direction=(0.0, 1.0))
+    mechanism.add_spring("spring", "ground", "mass", stiffness=stiffness, rest_length=1.0)
+    simulation = at_rest(mechanism)
+    assert simulation.rest["largest_force"] == pytest.approx(GRAVITY, rel=1e-4)
+    assert simulation.rest["residual"] <= 1e-6 * GRAVITY + np.finfo(float).eps * stiffness
+    bound = 3e-16 + simulation.rest["residual"] / stiffness
+    assert simulation.positions[0, 1] == pytest.approx(-1.0 - GRAVITY / stiffness, abs=bound)
+
+
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+def test_a_pull_that_grows_from_zero_is_named(hinges):
+    mechanism = rc.paper_drive(pretension=25.0).to_mechanism(hinges=hinges)
+    with pytest.raises(rc.InvalidInput, match=r'"tensioner_2" is zero at t = 0 .* ramp_time = 0'):
+        rc.Simulation(mechanism, start="static")
+
+
+def test_friction_that_is_left_out_is_named():
+    mechanism = rc.Mechanism(name="ball on a slope")
+    mechanism.add_body("ball", 1.0, 1e-3, position=(0.5, 0.1, 0.0))
+    slope = [(0.9, 0.1), (0.1, 0.0)]
+    for friction, told in ((rc.Coulomb(0.5), True), (None, False)):
+        other = replace(mechanism)
+        law = rc.LinearContact(1e5, 20.0, friction=friction)
+        other.add_outline_contact("floor", "ground", "ball", slope, 0.05, law, closed=False)
+        with pytest.raises(rc.InvalidInput, match='nothing holds body "ball"') as refused:
+            rc.Simulation(other, start="static")
+        assert ("friction is left out" in str(refused.value)) == told
+
+
+def test_a_drive_of_ideal_hinges_at_rest_exchanges_no_energy_to_warn_of():
+    drive = rc.paper_drive(pretension=25.0)
+    sprockets = [replace(sprocket, motion=rc.Free()) for sprocket in drive.sprockets]
+    # Warnings are errors here.
+    result = at_rest(replace(drive, hinges="ideal", sprockets=sprockets)).run(0.01, progress=False)
+    assert np.abs(result.energy.residual).max() < 1e-8
+
+
 def test_an_exception_of_a_callable_ends_the_search():
     mechanism = rc.Mechanism(name="spring of Python")
     mechanism.add_body("body", 1.0, 0.1)
