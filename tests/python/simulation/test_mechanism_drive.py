@@ -82,3 +82,38 @@ def test_a_pull_without_a_ramp_is_there_from_the_start(hinges):
         pull = drive.check().tension_force
         assert acceleration == pytest.approx(pull / drive.sprockets[1].mass)
     assert acceleration > 0.0
+
+
+WAYS = ("clearance", "ideal", "mechanism with clearance", "mechanism with ideal hinges")
+
+
+def in_this_way(drive, way):
+    """Return the drive with its hinges, or as a mechanism."""
+    hinges = "ideal" if "ideal" in way else "clearance"
+    if way.startswith("mechanism"):
+        return drive.to_mechanism(hinges=hinges)
+    return dataclasses.replace(drive, hinges=hinges)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_rotation_of_a_driver_counts_in_the_energies_however_a_drive_is_simulated(way):
+    """Kinetic energy by masses and velocities of the bodies; external work by the balance."""
+    drive = rc.paper_drive()
+    ramp = rc.PrescribedSpeed([(0.0, 5.0), (0.01, 20.0)])
+    driver = dataclasses.replace(drive.sprockets[0], motion=ramp, inertia=0.01)
+    drive = dataclasses.replace(drive, sprockets=[driver, drive.sprockets[1]])
+    mechanism = drive.to_mechanism()
+    result = rc.Simulation(in_this_way(drive, way), solver=SOLVER).run(
+        0.01, 1e-3, record=("bodies", "energy"), progress=False
+    )
+    velocities = result.array("velocities")[:, : len(mechanism.bodies)]
+    masses = np.array([(body.mass, body.mass, body.inertia) for body in mechanism.bodies])
+    energy = result.energy
+    np.testing.assert_allclose(
+        energy.kinetic, 0.5 * (masses * velocities**2).sum(axis=(1, 2)), rtol=1e-9
+    )
+    spun_up = 0.5 * 0.01 * (20.0**2 - 5.0**2)
+    grown = np.diff(energy.kinetic[[0, -1]]) + np.diff(energy.elastic[[0, -1]])
+    grown += np.diff(energy.gravity[[0, -1]]) + energy.dissipated[-1]
+    assert energy.external_work[-1] > spun_up
+    assert energy.external_work[-1] == pytest.approx(grown[0], abs=1e-4 * spun_up)
