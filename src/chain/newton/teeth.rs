@@ -40,39 +40,28 @@ impl ToothTerms {
         }
     }
 
+    /// Return all arrays; those of moments only with friction.
+    #[inline(always)]
+    fn arrays<const FRICTION: bool>(&mut self) -> impl Iterator<Item = &mut Numbers> {
+        let (of_column, spun) = if FRICTION { (3, 3) } else { (2, 0) };
+        let columns = self.column.iter_mut();
+        let pulls = columns.flat_map(move |arrays| &mut arrays[..of_column]);
+        let stiffness = self.tooth_stiffness.iter_mut();
+        stiffness.chain(pulls).chain(&mut self.spun[..spun])
+    }
+
     /// Set the marked groups and the copies before the first bushing to zero.
     #[inline(always)]
     pub(super) fn clear<const FRICTION: bool>(&mut self) {
         for group in 0..self.touched.len() {
-            if !std::mem::take(&mut self.touched[group]) {
-                continue;
-            }
-            for array in &mut self.tooth_stiffness {
-                clear_group(array, group);
-            }
-            for arrays in &mut self.column {
-                clear_group(&mut arrays[0], group);
-                clear_group(&mut arrays[1], group);
-                if FRICTION {
-                    clear_group(&mut arrays[2], group);
-                }
-            }
-            if FRICTION {
-                for array in &mut self.spun {
-                    clear_group(array, group);
+            if std::mem::take(&mut self.touched[group]) {
+                for array in self.arrays::<FRICTION>() {
+                    array.as_chunks_mut().0[BASE / WIDTH + group] = [0.0; WIDTH];
                 }
             }
         }
-        for array in &mut self.tooth_stiffness {
+        for array in self.arrays::<FRICTION>() {
             array[BASE - 1] = 0.0;
-        }
-        for array in self.column.iter_mut().flatten() {
-            array[BASE - 1] = 0.0;
-        }
-        if FRICTION {
-            for array in &mut self.spun {
-                array[BASE - 1] = 0.0;
-            }
         }
     }
 
@@ -85,13 +74,7 @@ impl ToothTerms {
     /// Copy the last one of `links` bushings to the entry before the first.
     #[inline(always)]
     pub(super) fn repeat_last<const FRICTION: bool>(&mut self, links: usize) {
-        let spun = if FRICTION {
-            &mut self.spun[..]
-        } else {
-            &mut []
-        };
-        let pulls = pulls::<FRICTION>(&mut self.column);
-        for array in self.tooth_stiffness.iter_mut().chain(pulls).chain(spun) {
+        for array in self.arrays::<FRICTION>() {
             array[BASE - 1] = array[BASE + links - 1];
         }
     }
@@ -114,13 +97,7 @@ impl ToothTerms {
         if !past && !self.touches(links - 1) {
             return;
         }
-        let spun = if FRICTION {
-            &mut self.spun[..]
-        } else {
-            &mut []
-        };
-        let pulls = pulls::<FRICTION>(&mut self.column);
-        for array in self.tooth_stiffness.iter_mut().chain(pulls).chain(spun) {
+        for array in self.arrays::<FRICTION>() {
             if past {
                 // Entries behind the overhang are zero.
                 for first in (BASE..BASE + overhang).step_by(WIDTH) {
@@ -136,21 +113,6 @@ impl ToothTerms {
             array[BASE - 1] = array[BASE + links - 1];
         }
     }
-}
-
-/// Set this group of bushings to zero.
-#[inline(always)]
-fn clear_group(array: &mut Numbers, group: usize) {
-    array.as_chunks_mut().0[BASE / WIDTH + group] = [0.0; WIDTH];
-}
-
-/// Return the arrays of the columns; those of moments only with friction.
-#[inline(always)]
-fn pulls<const FRICTION: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item = &mut Numbers> {
-    let count = if FRICTION { 3 } else { 2 };
-    column
-        .iter_mut()
-        .flat_map(move |arrays| &mut arrays[..count])
 }
 
 /// Candidates of one sprocket, to be added to the terms. `FRICTION`: with friction.
