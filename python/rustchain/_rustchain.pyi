@@ -13,6 +13,7 @@ from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.material import Material
 from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.scene import Scene
 from rustchain.description.solver import Solver
 from rustchain.errors import SimulationError
 
@@ -69,13 +70,7 @@ def instruction_set() -> Literal["avx512", "avx2", "neon", "plain"]:
 def layout(drive: ChainDrive) -> dict[str, Any]:
     """Return the fields of a DriveReport."""
 
-def static_start(
-    drive: ChainDrive,
-    force_law: ForceLaw,
-    hinge_law: ForceLaw | None,
-    tooth_law: ForceLaw | None,
-    min_impact_velocity: float,
-) -> dict[str, Any]:
+def static_start(scene: Scene) -> dict[str, Any]:
     """Return positions, velocities and surfaces of a drive at rest, and how well it rests.
 
     A surface is (bushing, sprocket, surface), of ideal hinges (contact, side, piece), each from 0.
@@ -88,12 +83,7 @@ def mechanism_static_start(description: Mechanism) -> dict[str, Any]:
     """
 
 def fmu_scene(
-    drive: ChainDrive,
-    force_law: ForceLaw,
-    hinge_law: ForceLaw | None,
-    tooth_law: ForceLaw | None,
-    min_impact_velocity: float,
-    solver: Solver,
+    scene: Scene,
     positions: _Array | None,
     velocities: _Array | None,
     state: bytes | None,
@@ -200,12 +190,7 @@ class Core:
 
     def __new__(
         cls,
-        drive: ChainDrive,
-        force_law: ForceLaw,
-        hinge_law: ForceLaw | None,
-        tooth_law: ForceLaw | None,
-        min_impact_velocity: float,
-        solver: Solver,
+        scene: Scene,
         positions: npt.NDArray[np.float64] | None,
         velocities: npt.NDArray[np.float64] | None,
         surfaces: Sequence[tuple[int, int, int]] = ...,
@@ -281,12 +266,7 @@ class Case:
 
     def __new__(
         cls,
-        drive: ChainDrive,
-        force_law: ForceLaw,
-        hinge_law: ForceLaw | None,
-        tooth_law: ForceLaw | None,
-        min_impact_velocity: float,
-        solver: Solver,
+        scene: Scene,
         duration: float,
         report_step: float,
         groups: list[str],
@@ -335,12 +315,7 @@ def mechanism_case(
     """Return a mechanism and what to record of it, for an `Ensemble`."""
 
 def ideal_core(
-    drive: ChainDrive,
-    force_law: ForceLaw,
-    hinge_law: ForceLaw | None,
-    tooth_law: ForceLaw | None,
-    min_impact_velocity: float,
-    solver: Solver,
+    scene: Scene,
     positions: _Array | None,
     velocities: _Array | None,
     surfaces: Sequence[tuple[int, int, int]] = ...,

@@ -14,7 +14,7 @@ use super::evaluation::{
 };
 use super::ideal_core::ideal_evaluation;
 use super::mechanism_callable::{Raised, take};
-use super::starts::{budget, describe_tooth_jumps, input, own_start};
+use super::starts::{DriveScene, budget, describe_tooth_jumps, input};
 use crate::chain::contact::ToothJump;
 use crate::chain::dynamics::check_rows;
 use crate::chain::model::Model;
@@ -41,37 +41,23 @@ pub(super) struct Core {
 #[pymethods]
 impl Core {
     #[new]
-    #[pyo3(signature = (drive, force_law, hinge_law, tooth_law, min_impact_velocity, solver, positions, velocities, surfaces=Vec::new()))]
-    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
+    #[pyo3(signature = (scene, positions, velocities, surfaces=Vec::new()))]
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes arrays by value
     fn new(
-        drive: &Bound<'_, PyAny>,
-        force_law: &Bound<'_, PyAny>,
-        hinge_law: Option<&Bound<'_, PyAny>>,
-        tooth_law: Option<&Bound<'_, PyAny>>,
-        min_impact_velocity: &Bound<'_, PyAny>,
-        solver: &Bound<'_, PyAny>,
+        scene: &Bound<'_, PyAny>,
         positions: Option<PyReadonlyArray2<'_, f64>>,
         velocities: Option<PyReadonlyArray2<'_, f64>>,
         surfaces: Vec<[usize; 3]>,
     ) -> PyResult<Self> {
-        let py = drive.py();
-        let description = describe::drive(drive)?;
-        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
-        let control = describe::solver(solver)?;
-        let own = own_start(
-            py,
-            &description,
-            positions.as_ref(),
-            velocities.as_ref(),
-            surfaces,
-        )?;
+        let py = scene.py();
+        let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), surfaces))?;
         let simulation = contained(|| {
-            let start = match own {
+            let start = match scene.start {
                 Some(start) => start,
-                None => InitialConfiguration::generate(&description)?.0,
+                None => InitialConfiguration::generate(&scene.drive)?.0,
             };
-            let model = Model::compile(&description, &laws, &start)?;
-            let simulation = Simulation::new(Arc::new(model), &start, control)?;
+            let model = Model::compile(&scene.drive, &scene.laws, &start)?;
+            let simulation = Simulation::new(Arc::new(model), &start, scene.control)?;
             Ok((simulation, [start.positions, start.velocities]))
         });
         let (simulation, start) = describe::checked(py, simulation)?;
@@ -204,7 +190,7 @@ impl Core {
                 simulation.start_recording(duration, report_step, groups);
             }
             AnySimulation::Ideal(simulation) => {
-                let groups = describe::drive_groups(&groups.unwrap_or_default(), energy);
+                let groups = describe::ideal_groups(&groups.unwrap_or_default(), energy);
                 simulation.start_recording(duration, report_step, groups);
             }
             AnySimulation::Mechanism(simulation) => {

@@ -5,7 +5,6 @@ use pyo3::types::PyDict;
 
 use super::describe;
 use super::errors::InvalidInput;
-use crate::error::check;
 use crate::geometry::Vec2;
 use crate::math::{Signal, Table};
 use crate::multibody::{
@@ -22,15 +21,17 @@ pub(super) fn drive_contacts(
     force_law: &Bound<'_, PyAny>,
     min_impact_velocity: &Bound<'_, PyAny>,
 ) -> PyResult<DriveContacts> {
-    let name = "min_impact_velocity";
-    let least = describe::number(min_impact_velocity, name, "m/s")?;
-    let allowed = check::positive(name, least, "m/s");
-    describe::checked(min_impact_velocity.py(), allowed)?;
     Ok(DriveContacts {
         law: describe::law_and_friction(force_law, "force_law")?.0,
-        min_approach_speed: least,
+        min_approach_speed: describe::min_impact_velocity(min_impact_velocity)?,
         tribology: describe::tribology(force_law)?,
     })
+}
+
+/// Return the contacts of the mechanism that a drive with ideal hinges runs as: those of bushings on teeth.
+pub(super) fn ideal_contacts(scene: &Bound<'_, PyAny>) -> PyResult<DriveContacts> {
+    let law = describe::law_or_common(scene, "tooth_law")?;
+    drive_contacts(&law, &scene.getattr("min_impact_velocity")?)
 }
 
 /// Return the calls (method of `Mechanism`, keyword arguments) that describe the mechanism of a drive. A contact has its `length` in the

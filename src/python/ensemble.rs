@@ -15,7 +15,7 @@ use super::describe;
 use super::errors::to_python;
 use super::mechanism::mechanism;
 use super::mechanism_callable::{Raised, take};
-use super::starts::{budget, own_start};
+use super::starts::{DriveScene, budget};
 use crate::error::Error;
 use crate::run::ensemble;
 use crate::run::ensemble::{Failure, Outcome, Run, Scene};
@@ -31,18 +31,10 @@ pub(super) struct Case {
 #[pymethods]
 impl Case {
     #[new]
-    #[pyo3(signature = (
-        drive, force_law, hinge_law, tooth_law, min_impact_velocity, solver, duration, report_step, groups, energy, positions, velocities,
-        surfaces=Vec::new()
-    ))]
+    #[pyo3(signature = (scene, duration, report_step, groups, energy, positions, velocities, surfaces=Vec::new()))]
     #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes lists by value
     fn new(
-        drive: &Bound<'_, PyAny>,
-        force_law: &Bound<'_, PyAny>,
-        hinge_law: Option<&Bound<'_, PyAny>>,
-        tooth_law: Option<&Bound<'_, PyAny>>,
-        min_impact_velocity: &Bound<'_, PyAny>,
-        solver: &Bound<'_, PyAny>,
+        scene: &Bound<'_, PyAny>,
         duration: &Bound<'_, PyAny>,
         report_step: &Bound<'_, PyAny>,
         groups: Vec<String>,
@@ -51,26 +43,17 @@ impl Case {
         velocities: Option<PyReadonlyArray2<'_, f64>>,
         surfaces: Vec<[usize; 3]>,
     ) -> PyResult<Self> {
-        let description = describe::drive(drive)?;
-        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
-        let control = describe::solver(solver)?;
+        let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), surfaces))?;
         let (duration, report_step, energy) =
             describe::reports(duration, report_step, Some(energy))?;
-        let own = own_start(
-            drive.py(),
-            &description,
-            positions.as_ref(),
-            velocities.as_ref(),
-            surfaces,
-        )?;
         let case = ensemble::Case {
             scene: Scene::Drive {
-                drive: Box::new(description),
-                laws,
-                start: own,
+                drive: Box::new(scene.drive),
+                laws: scene.laws,
+                start: scene.start,
                 groups: describe::drive_groups(&groups, energy),
             },
-            control,
+            control: scene.control,
             duration,
             report_step,
         };

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use super::describe;
-use super::starts::own_start;
+use super::starts::DriveScene;
 use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
 use crate::fmu::{Contents, InputVariable, Instance, OutputVariable};
@@ -20,42 +20,28 @@ type Packed<'py> = (Bound<'py, PyBytes>, String, Vec<f64>);
 /// `inputs`: number of the sprocket, from 1, and its quantity. `outputs`: channel, and number of its element, from 0, or `None` for the
 /// largest one. `state`: snapshot of the state to start with.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
+#[allow(clippy::needless_pass_by_value)] // PyO3 passes arrays by value
 pub(super) fn fmu_scene<'py>(
-    drive: &Bound<'py, PyAny>,
-    force_law: &Bound<'py, PyAny>,
-    hinge_law: Option<&Bound<'py, PyAny>>,
-    tooth_law: Option<&Bound<'py, PyAny>>,
-    min_impact_velocity: &Bound<'py, PyAny>,
-    solver: &Bound<'py, PyAny>,
+    scene: &Bound<'py, PyAny>,
     positions: Option<PyReadonlyArray2<'py, f64>>,
     velocities: Option<PyReadonlyArray2<'py, f64>>,
     state: Option<Vec<u8>>,
     inputs: Vec<(usize, String)>,
     outputs: Vec<(String, Option<usize>)>,
 ) -> PyResult<Packed<'py>> {
-    let py = drive.py();
-    let drive = describe::drive(drive)?;
-    let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
-    let control = describe::solver(solver)?;
-    let own = own_start(
-        py,
-        &drive,
-        positions.as_ref(),
-        velocities.as_ref(),
-        Vec::new(),
-    )?;
+    let py = scene.py();
+    let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), Vec::new()))?;
     let inputs: Result<Vec<_>> = inputs.into_iter().map(input_variable).collect();
     let inputs = describe::checked(py, inputs)?;
     let packed = contained(|| {
-        let start = match own {
+        let start = match scene.start {
             Some(start) => start,
-            None => InitialConfiguration::generate(&drive)?.0,
+            None => InitialConfiguration::generate(&scene.drive)?.0,
         };
         let contents = Contents {
-            drive,
-            laws,
-            control,
+            drive: scene.drive,
+            laws: scene.laws,
+            control: scene.control,
             start,
             state,
             inputs,

@@ -6,10 +6,11 @@ use pyo3::types::PyDict;
 
 use super::core::Core;
 use super::describe;
-use super::drive_mechanism::drive_contacts;
+use super::drive_mechanism::ideal_contacts;
 use super::errors::InvalidInput;
+use super::evaluation::mechanism_evaluation;
 use super::mechanism_callable::{Raised, take};
-use super::starts::{interrupted, own_start};
+use super::starts::{DriveScene, interrupted};
 use crate::geometry::Vec2;
 use crate::integrator::Corrector;
 use crate::multibody::from_drive::channels::BushingContact;
@@ -23,45 +24,37 @@ const FAR: f64 = 0.01;
 
 /// Return the run of a drive with ideal hinges, and a warning of its assembly for a user's start.
 #[pyfunction]
-#[pyo3(signature = (drive, force_law, hinge_law, tooth_law, min_impact_velocity, solver, positions, velocities, surfaces=Vec::new()))]
-#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
+#[pyo3(signature = (scene, positions, velocities, surfaces=Vec::new()))]
+#[allow(clippy::needless_pass_by_value)] // PyO3 passes arrays by value
 pub(super) fn ideal_core(
-    drive: &Bound<'_, PyAny>,
-    force_law: &Bound<'_, PyAny>,
-    hinge_law: Option<&Bound<'_, PyAny>>,
-    tooth_law: Option<&Bound<'_, PyAny>>,
-    min_impact_velocity: &Bound<'_, PyAny>,
-    solver: &Bound<'_, PyAny>,
+    scene: &Bound<'_, PyAny>,
     positions: Option<PyReadonlyArray2<'_, f64>>,
     velocities: Option<PyReadonlyArray2<'_, f64>>,
     surfaces: Vec<[usize; 3]>,
 ) -> PyResult<(Core, Option<String>)> {
-    let py = drive.py();
-    let description = describe::drive(drive)?;
-    check_hinge_law(force_law, hinge_law)?;
-    tooth_law.map_or(Ok(()), describe::without_film)?;
-    let contacts = drive_contacts(tooth_law.unwrap_or(force_law), min_impact_velocity)?;
-    let mut control = describe::solver(solver)?;
+    let py = scene.py();
+    check_hinge_law(scene)?;
+    let contacts = ideal_contacts(scene)?;
+    let place = (positions.as_ref(), velocities.as_ref(), surfaces);
+    let DriveScene {
+        drive,
+        mut control,
+        start,
+        ..
+    } = DriveScene::new(scene, place)?;
     if control.corrector == Corrector::Auto {
         // Results with ideal hinges were measured with the explicit corrector.
         control.corrector = Corrector::Pece;
     }
-    let own = own_start(
-        py,
-        &description,
-        positions.as_ref(),
-        velocities.as_ref(),
-        surfaces,
-    )?;
     let raised = Raised::default();
     let made = contained(|| {
         let give_up = || interrupted(py, &raised);
-        IdealDrive::new(&description, &contacts, own.as_ref(), control, &give_up)
+        IdealDrive::new(&drive, &contacts, start.as_ref(), control, &give_up)
     });
     take(&raised)?;
     let (simulation, start) = describe::checked(py, made)?;
     let moved = simulation.assembly().moved;
-    let far = positions.is_some() && moved > FAR * description.chain.pitch;
+    let far = positions.is_some() && moved > FAR * drive.chain.pitch;
     let note = far.then(|| {
         format!(
             "positions: links had to be moved by up to {moved:.3e} m to close the ideal hinges: is each link placed \
@@ -74,20 +67,23 @@ pub(super) fn ideal_core(
 }
 
 /// Reject friction, film and a separate force law of hinges: ideal hinges have no contact.
-fn check_hinge_law(
-    force_law: &Bound<'_, PyAny>,
-    hinge_law: Option<&Bound<'_, PyAny>>,
-) -> PyResult<()> {
-    let law = hinge_law.unwrap_or(force_law);
-    let only =
-        "must be None with ChainDrive.hinges = 'ideal'; only chain drives with clearance hinges";
-    for (field, expected) in [
-        ("friction", "have friction"),
-        ("film", "have room for a film"),
+fn check_hinge_law(scene: &Bound<'_, PyAny>) -> PyResult<()> {
+    let (force_law, hinge_law) = (
+        scene.getattr("force_law")?,
+        describe::law_of(scene, "hinge_law")?,
+    );
+    let law = hinge_law.as_ref().unwrap_or(&force_law);
+    for (field, remedy) in [
+        ("friction", "give that of the teeth in tooth_law, or take"),
+        ("film", "take"),
     ] {
         let value = law.getattr_opt(field)?.filter(|value| !value.is_none());
         if let Some(value) = value {
-            let message = format!("{field} = {}: {only} {expected}", value.repr()?);
+            let message = format!(
+                "{field} = {}: must be None with ChainDrive.hinges = 'ideal', whose hinges have no contact; {remedy} \
+                 hinges = 'clearance'",
+                value.repr()?
+            );
             return Err(InvalidInput::new_err(message));
         }
     }
@@ -108,6 +104,7 @@ pub(super) fn ideal_evaluation<'py>(
     simulation: &IdealDrive,
     recording: &Recording,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let found = mechanism_evaluation(py, recording.clone())?;
     let view = simulation.view();
     let rows = Rows::new(recording, simulation.model());
     let row = rows.row(0);
@@ -130,7 +127,6 @@ pub(super) fn ideal_evaluation<'py>(
     let vectors: Vec<f64> = on_pins.iter().flat_map(|v| [v.x, v.y]).collect();
     let pushes: Vec<f64> = contacts.iter().flat_map(|found| found.vector).collect();
     let own = rows.accelerations()[..3 * view.bodies()].to_vec();
-    let found = PyDict::new(py);
     found.set_item(
         "accelerations",
         own.into_pyarray(py).reshape([view.bodies(), 3])?,

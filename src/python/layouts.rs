@@ -5,11 +5,12 @@ use pyo3::types::PyDict;
 
 use super::arrays::table;
 use super::describe;
-use super::drive_mechanism::drive_contacts;
+use super::drive_mechanism::ideal_contacts;
 use super::errors::{InvalidInput, to_python};
 use super::interrupt::interruptible;
 use super::mechanism::mechanism;
 use super::mechanism_callable::{Raised, take};
+use super::starts::drive_of;
 use crate::drive::{BeltLine, Drive, HingeKind, MOST_LINKS, check_links};
 use crate::error::{Error, check};
 use crate::geometry::Vec2;
@@ -90,18 +91,12 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
 
 /// Find the static equilibrium of a drive: positions, velocities and surfaces at the start of a run, and the residual.
 #[pyfunction]
-pub(super) fn static_start<'py>(
-    drive: &Bound<'py, PyAny>,
-    force_law: &Bound<'py, PyAny>,
-    hinge_law: Option<&Bound<'py, PyAny>>,
-    tooth_law: Option<&Bound<'py, PyAny>>,
-    min_impact_velocity: &Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let py = drive.py();
-    let description = describe::drive(drive)?;
-    let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
+pub(super) fn static_start<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    let py = scene.py();
+    let description = drive_of(scene)?;
+    let laws = describe::force_laws(scene)?;
     let ideal = (description.hinge_kind == HingeKind::Ideal)
-        .then(|| drive_contacts(tooth_law.unwrap_or(force_law), min_impact_velocity))
+        .then(|| ideal_contacts(scene))
         .transpose()?;
     let rest = interruptible(py, |give_up| match &ideal {
         Some(contacts) => Equilibrium::of_ideal_drive(&description, contacts, give_up),

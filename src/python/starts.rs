@@ -10,8 +10,10 @@ use super::describe;
 use super::errors::to_python;
 use super::mechanism_callable::Raised;
 use crate::chain::contact::ToothJump;
+use crate::chain::model::ForceLaws;
 use crate::drive::{Drive, InputQuantity};
 use crate::error::Error;
+use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
 use crate::panics::contained;
@@ -39,15 +41,53 @@ pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
     ))
 }
 
+/// Positions, velocities and surfaces at which a run begins: arguments of Python.
+pub(super) type Place<'a, 'py> = (
+    Option<&'a PyReadonlyArray2<'py, f64>>,
+    Option<&'a PyReadonlyArray2<'py, f64>>,
+    Vec<[usize; 3]>,
+);
+
+/// Chain drive with its laws, its solver and the start of its run.
+pub(super) struct DriveScene {
+    pub(super) drive: Drive,
+    pub(super) laws: ForceLaws,
+    pub(super) control: StepControl,
+    /// Start given by the user; `None`: the generated initial configuration.
+    pub(super) start: Option<InitialConfiguration>,
+}
+
+impl DriveScene {
+    /// Read a `Scene` that has a drive.
+    pub(super) fn new(scene: &Bound<'_, PyAny>, place: Place<'_, '_>) -> PyResult<Self> {
+        let drive = drive_of(scene)?;
+        Ok(Self {
+            laws: describe::force_laws(scene)?,
+            control: describe::solver(&scene.getattr("solver")?)?,
+            start: own_start(scene.py(), &drive, place)?,
+            drive,
+        })
+    }
+}
+
+/// Return the drive of a `Scene`; at a static start its tensioner has no ramp.
+pub(super) fn drive_of(scene: &Bound<'_, PyAny>) -> PyResult<Drive> {
+    let mut drive = describe::drive(&scene.getattr("system")?)?;
+    if scene.getattr("start")?.eq("static")?
+        && let Some(tensioner) = &mut drive.tensioner
+    {
+        tensioner.ramp_time = 0.0;
+    }
+    Ok(drive)
+}
+
 /// Return a user's start, with generated positions if only velocities are given; `None` if nothing is given.
 ///
-/// `surfaces`: as of [`InitialConfiguration::surfaces`], at given positions.
-pub(super) fn own_start(
+/// Surfaces are those of [`InitialConfiguration::surfaces`], at given positions.
+fn own_start(
     py: Python<'_>,
     drive: &Drive,
-    positions: Option<&PyReadonlyArray2<'_, f64>>,
-    velocities: Option<&PyReadonlyArray2<'_, f64>>,
-    surfaces: Vec<[usize; 3]>,
+    (positions, velocities, surfaces): Place<'_, '_>,
 ) -> PyResult<Option<InitialConfiguration>> {
     let positions = rows(py, "positions", positions)?;
     let velocities = rows(py, "velocities", velocities)?;

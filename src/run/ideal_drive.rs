@@ -18,13 +18,24 @@ use crate::multibody::from_drive::channels::DriveView;
 use crate::multibody::{DriveContacts, Mechanism, MechanismGroups, MechanismModel};
 use crate::system::Recording;
 
+/// Groups of channels to record of a drive with ideal hinges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct IdealGroups {
+    /// Channels of a drive.
+    pub drive: Groups,
+    /// Joints of its mechanism, as of [`MechanismGroups`].
+    pub joints: bool,
+    /// Contacts of its mechanism.
+    pub contacts: bool,
+}
+
 /// Run of a drive with ideal hinges.
 #[derive(Debug, Clone)]
 pub struct IdealDrive {
     run: MechanismSimulation,
     view: DriveView,
     /// Groups of the active recording.
-    groups: Groups,
+    groups: IdealGroups,
 }
 
 impl Deref for IdealDrive {
@@ -65,7 +76,7 @@ impl IdealDrive {
             velocities: placed.iter().map(|body| body.velocity).collect(),
             ..InitialConfiguration::default()
         };
-        let groups = Groups::default();
+        let groups = IdealGroups::default();
         Ok((Self { run, view, groups }, placed))
     }
 
@@ -116,11 +127,11 @@ impl IdealDrive {
     }
 
     /// Begin a recording at the present time.
-    pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: Groups) {
+    pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: IdealGroups) {
         self.groups = groups;
         // Channels of a drive are computed from those of bodies, joints and contacts.
         let groups = MechanismGroups {
-            energy: groups.energy,
+            energy: groups.drive.energy,
             ..MechanismGroups::ALL
         };
         self.run.start_recording(duration, report_step, groups);

@@ -10,5 +10,5 @@ pub(crate) mod recorder;
 pub mod simulation;
 
 pub use any::AnySimulation;
-pub use ideal_drive::IdealDrive;
+pub use ideal_drive::{IdealDrive, IdealGroups};
 pub use mechanism::MechanismSimulation;

@@ -19,7 +19,6 @@ from rustchain.errors import InvalidInput, MissingExtra
 from rustchain.fmi.model_description import Model, model_description
 from rustchain.fmi.variables import Input, Output, Variable, chosen_inputs, chosen_outputs
 from rustchain.paths import check_writable, path_of, shown_path, write_whole
-from rustchain.simulation.core import keywords_of
 from rustchain.simulation.simulation import Simulation
 
 _PLATFORMS = {
@@ -120,7 +119,7 @@ def _packed(
     positions, velocities = simulation._core.start()
     static = scene.start == "static"
     return _rustchain.fmu_scene(
-        **keywords_of(scene),
+        scene,
         positions=positions,
         velocities=velocities,
         # A static start has tooth surfaces, which a state holds.

@@ -151,4 +151,6 @@ VARIABLES = {
 }
 
 OF_MECHANISMS = ("joints", "contacts")
-"""Groups that mechanisms alone have."""
+"""Groups of mechanisms and of drives with ideal hinges, which run as mechanisms."""
+OF_DRIVES = ("hinges", "teeth", "sprockets")
+"""Groups that drives alone have."""

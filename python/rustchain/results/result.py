@@ -16,7 +16,7 @@ from rustchain.errors import NotRecorded
 from rustchain.html import HtmlView
 from rustchain.names import named_attributes, suggest
 from rustchain.parts import place_of, position_of
-from rustchain.results.channels import OF_MECHANISMS, VARIABLES
+from rustchain.results.channels import OF_DRIVES, OF_MECHANISMS, VARIABLES
 from rustchain.results.exports import Exports
 from rustchain.results.mechanism_views import BodyMotion, ContactHistory, JointHistory
 from rustchain.results.stored import part_of
@@ -69,7 +69,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         Times [s], sprockets (from 1) and directions of the tooth jumps since the simulation began;
         see `tooth_jumps`. None where they are not counted: with ``hinges="ideal"``, in mechanisms.
     joint_names, contact_names : tuple of str
-        Of mechanisms, in the order of the arrays.
+        Of mechanisms and of drives with ``hinges="ideal"``, in the order of the arrays.
     """
 
     arrays: Mapping[str, npt.NDArray[Any]]
@@ -151,7 +151,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
             )
         elif group == "energy":
             msg = "the energy balance was not recorded; pass energy=True to run"
-        elif (group in OF_MECHANISMS) != (self.scene.kind == "mechanism"):
+        elif group in {"clearance": OF_MECHANISMS, "mechanism": OF_DRIVES}.get(self.scene.kind, ()):
             msg = f"{name}: {self.scene.name} has no {group}; it has recorded {self.groups}"
         else:
             msg = f"{group} were not recorded; pass record=(..., {shown(group)}) to run"
@@ -244,7 +244,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         )
 
     def joint(self, name: str) -> JointHistory:
-        """Return a joint or driver of a mechanism by its name in `joint_names`."""
+        """Return a joint or driver by its name in `joint_names`."""
         self._check_recorded("joint_reaction")
         k = place_of("joint", name, self.joint_names)
         reaction = self._column("joint_reaction", k)
@@ -262,7 +262,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         )
 
     def contact(self, name: str) -> ContactHistory:
-        """Return a contact of a mechanism by its name in `contact_names`."""
+        """Return a contact by its name in `contact_names`."""
         self._check_recorded("contact_force")
         k = place_of("contact", name, self.contact_names)
         names = (

@@ -263,20 +263,20 @@ class Peaks(ArrayValue):
 
     @property
     def joint_force(self) -> Array:
-        """Largest force of each joint of a mechanism [N], (times, joints)."""
+        """Largest force of each joint [N], (times, joints)."""
         return self._result.array("peak_joint_force")
 
     @property
     def joint_impulse(self) -> Array:
-        """Impulse of each joint of a mechanism [N s], (times, joints)."""
+        """Impulse of each joint [N s], (times, joints)."""
         return self._result.array("peak_joint_impulse")
 
     @property
     def contact_force(self) -> Array:
-        """Largest force of each contact of a mechanism [N], (times, contacts)."""
+        """Largest force of each contact [N], (times, contacts)."""
         return self._result.array("peak_contact_force")
 
     @property
     def contact_impulse(self) -> Array:
-        """Impulse of each contact of a mechanism [N s], (times, contacts)."""
+        """Impulse of each contact [N s], (times, contacts)."""
         return self._result.array("peak_contact_impulse")

@@ -18,15 +18,6 @@ from rustchain.errors import InvalidInput
 from rustchain.typing import Array
 
 
-def keywords_of(scene: Scene) -> dict[str, Any]:
-    """Return the keywords of the compiled core of a drive, without its start."""
-    drive = scene.drive
-    if scene.start == "static" and drive.tensioner is not None:  # at full pull from the beginning
-        drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
-    names = ("force_law", "hinge_law", "tooth_law", "min_impact_velocity", "solver")
-    return {"drive": drive} | {name: getattr(scene, name) for name in names}
-
-
 def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
     """Return positions and velocities that a scene begins with, and how well it then rests.
 
@@ -39,9 +30,7 @@ def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
     if isinstance(scene.system, Mechanism):
         found = _rustchain.mechanism_static_start(scene.system)
     else:
-        keywords = keywords_of(scene)
-        del keywords["solver"]
-        found = _rustchain.static_start(**keywords)
+        found = _rustchain.static_start(scene)
     return {name: found.pop(name) for name in ("positions", "velocities", "surfaces")}, found
 
 
@@ -58,11 +47,11 @@ def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
             warn_caller(text)
         return core
     if scene.kind == "ideal":
-        ideal, note = _rustchain.ideal_core(**keywords_of(scene), **place)
+        ideal, note = _rustchain.ideal_core(scene, **place)
         if note is not None:
             warn_caller(note)
         return ideal
-    return _rustchain.Core(**keywords_of(scene), **place)
+    return _rustchain.Core(scene, **place)
 
 
 def _array(rows: object) -> Array | None:

@@ -25,7 +25,7 @@ Group = Literal["hinges", "teeth", "sprockets", "bodies", "joints", "contacts", 
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "clearance": ("hinges", "teeth", "sprockets", "bodies", "energy"),
-    "ideal": ("hinges", "teeth", "sprockets", "bodies", "energy"),
+    "ideal": ("hinges", "teeth", "sprockets", "bodies", "joints", "contacts", "energy"),
     "mechanism": ("bodies", "joints", "contacts", "energy"),
 }
 """What can be recorded of each kind of scene; by default all but the bodies of a drive."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 from rustchain import _rustchain
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput, SimulationError
-from rustchain.simulation.core import keywords_of, start_of
+from rustchain.simulation.core import start_of
 from rustchain.simulation.recording import Recording
 from rustchain.simulation.run import (
     WALL_BUDGET,
@@ -116,9 +116,7 @@ def _compiled(case: Case) -> _rustchain.Case:
     groups, energy = case.groups()
     times = {name: case.run[name] for name in ("duration", "report_step")}
     place, _ = start_of(case.scene)
-    compiled = _rustchain.Case(
-        **keywords_of(case.scene), **place, **times, groups=groups, energy=energy
-    )
+    compiled = _rustchain.Case(case.scene, **place, **times, groups=groups, energy=energy)
     numbers = numbers_of_drive_row(case.scene.drive, groups, energy)
     check_rows_fit(times["duration"], times["report_step"], numbers)
     return compiled

@@ -70,7 +70,7 @@ pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
 }
 
 /// Reject a lubricant film in a law of teeth.
-pub(crate) fn without_film(object: &Bound<'_, PyAny>) -> PyResult<()> {
+fn without_film(object: &Bound<'_, PyAny>) -> PyResult<()> {
     if film_of(object, "tooth_law")?.is_some() {
         return Err(refuse(
             object.py(),
@@ -186,26 +186,43 @@ pub(crate) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
     })
 }
 
-/// Read the laws of a run; `None` for a law of hinges or teeth selects `force_law`.
-pub(crate) fn force_laws(
-    force_law: &Bound<'_, PyAny>,
-    hinge_law: Option<&Bound<'_, PyAny>>,
-    tooth_law: Option<&Bound<'_, PyAny>>,
-    min_impact_velocity: &Bound<'_, PyAny>,
-) -> PyResult<ForceLaws> {
-    let law = law_and_friction(force_law, "force_law")?;
-    let own = |own: Option<&Bound<'_, PyAny>>, field: &str| {
-        own.map_or(Ok(law), |own| law_and_friction(own, field))
-    };
-    let (hinge, hinge_friction) = own(hinge_law, "hinge_law")?;
-    let (tooth, tooth_friction) = own(tooth_law, "tooth_law")?;
-    let hinge_film = film_of(hinge_law.unwrap_or(force_law), "hinge_law")?;
-    if let Some(own) = tooth_law {
-        without_film(own)?;
-    }
-    let least = number(min_impact_velocity, "min_impact_velocity", "m/s")?;
+/// Return the law of a kind of contacts of a `Scene`: `hinge_law` or `tooth_law`; none where it is `None`.
+pub(crate) fn law_of<'py>(
+    scene: &Bound<'py, PyAny>,
+    field: &str,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    Ok(Some(scene.getattr(field)?).filter(|law| !law.is_none()))
+}
+
+/// Return the law of a kind of contacts of a `Scene`, or that of all contacts.
+pub(crate) fn law_or_common<'py>(
+    scene: &Bound<'py, PyAny>,
+    field: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    law_of(scene, field)?.map_or_else(|| scene.getattr("force_law"), Ok)
+}
+
+/// Read and check the lower bound on impact velocities \[m/s\].
+pub(crate) fn min_impact_velocity(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let least = number(value, "min_impact_velocity", "m/s")?;
     let allowed = check::positive("min_impact_velocity", least, "m/s");
-    checked(min_impact_velocity.py(), allowed)?;
+    checked(value.py(), allowed).map(|()| least)
+}
+
+/// Read the laws of a run; `None` for a law of hinges or teeth selects `force_law`.
+pub(crate) fn force_laws(scene: &Bound<'_, PyAny>) -> PyResult<ForceLaws> {
+    let law = law_and_friction(&scene.getattr("force_law")?, "force_law")?;
+    let own = |field: &str| {
+        let own = law_of(scene, field)?;
+        own.map_or(Ok(law), |own| law_and_friction(&own, field))
+    };
+    let (hinge, hinge_friction) = own("hinge_law")?;
+    let (tooth, tooth_friction) = own("tooth_law")?;
+    let hinge_film = film_of(&law_or_common(scene, "hinge_law")?, "hinge_law")?;
+    if let Some(own) = law_of(scene, "tooth_law")? {
+        without_film(&own)?;
+    }
+    let least = min_impact_velocity(&scene.getattr("min_impact_velocity")?)?;
     Ok(ForceLaws {
         hinge,
         tooth,

@@ -1,20 +1,10 @@
 //! Channels of a drive with ideal hinges, from the recording of its mechanism.
 
-use crate::chain::Groups;
+use super::IdealGroups;
 use crate::geometry::Vec2;
 use crate::multibody::MechanismModel;
 use crate::multibody::from_drive::channels::{BushingContact, DriveView, MechanismRow};
 use crate::system::{Channel, Recording, Values};
-
-/// Energy channels, with the same names as in the recording of the mechanism.
-const ENERGY: [&str; 6] = [
-    "energy_kinetic",
-    "energy_gravity",
-    "energy_elastic",
-    "energy_dissipated",
-    "energy_external_work",
-    "energy_residual",
-];
 
 /// Recording of a mechanism, row by row.
 pub(crate) struct Rows<'a> {
@@ -101,8 +91,13 @@ impl<'a> Rows<'a> {
     }
 
     /// Return all channels of `groups`.
-    pub(crate) fn channels(&self, view: &DriveView, groups: Groups) -> Recording {
+    pub(crate) fn channels(&self, view: &DriveView, groups: IdealGroups) -> Recording {
         let mut channels = Vec::new();
+        let IdealGroups {
+            drive: groups,
+            joints,
+            contacts,
+        } = groups;
         if groups.hinges {
             channels.extend(self.hinge_channels(view));
         }
@@ -120,11 +115,15 @@ impl<'a> Rows<'a> {
             channels.push(self.real("positions", &own, positions));
             channels.push(self.real("velocities", &own, velocities));
         }
-        if groups.energy {
-            channels.extend(ENERGY.map(|name| {
-                let energy = self.recording.real(name);
-                self.real(name, &[], |i| [energy[i]])
-            }));
+        // These have the same names in the recording of the mechanism.
+        let kept = [
+            (joints, "joint"),
+            (contacts, "contact"),
+            (groups.energy, "energy"),
+        ];
+        for (_, part) in kept.into_iter().filter(|(wanted, _)| *wanted) {
+            let all = self.recording.channels.iter();
+            channels.extend(all.filter(|channel| channel.name.contains(part)).cloned());
         }
         Recording {
             time: self.recording.time.clone(),

@@ -49,7 +49,7 @@ SYSTEMS: dict[str, Callable[[], rc.ChainDrive | rc.Mechanism]] = {
 }
 GROUPS = {
     "clearance": ("hinges", "teeth", "sprockets", "energy"),
-    "ideal": ("hinges", "teeth", "sprockets", "energy"),
+    "ideal": ("hinges", "teeth", "sprockets", "joints", "contacts", "energy"),
     "mechanism": ("bodies", "joints", "contacts", "energy"),
 }
 # Part whose speed can be set, with its body; part whose torque can be set.
@@ -60,7 +60,7 @@ INPUTS = {
 }
 PEAKS = {
     "clearance": [("hinge_force", "hinge_force"), ("tooth_force", "tooth_force")],
-    "ideal": [("hinge_force", "hinge_force"), ("tooth_force", "tooth_force")],
+    "ideal": [("hinge_force", "hinge_force"), ("joint_force", "joint_reaction")],
     "mechanism": [("contact_force", "contact_force"), ("joint_force", "joint_reaction")],
 }
 STOPS = {
@@ -117,7 +117,7 @@ def test_energy_is_a_group_like_the_others(scene, result):
 
 
 def test_a_group_that_the_scene_does_not_have_is_refused_with_those_that_it_has(scene):
-    wrong = "hinges" if scene.kind == "mechanism" else "joints"
+    wrong = {"clearance": "joints", "ideal": "guides", "mechanism": "hinges"}[scene.kind]
     with pytest.raises(rc.InvalidInput, match=f"'{wrong}' is no group; .*'"):
         rc.Simulation(scene).run(1e-4, record=(wrong,), progress=False)
 
@@ -366,7 +366,7 @@ def test_an_evaluation_has_no_side_effects_and_names_what_it_has(scene):
     assert first == second
     assert simulation.state()["snapshot"] == before["snapshot"]
     assert first.accelerations.shape == (len(simulation.body_names), 3)
-    missing = "hinge_force" if scene.kind == "mechanism" else "joint_reaction"
+    missing = {"clearance": "joint_reaction", "mechanism": "hinge_force"}.get(scene.kind, "rollers")
     with pytest.raises(AttributeError, match=missing):
         getattr(first, missing)
     with pytest.raises(ValueError, match="read-only"):

@@ -39,7 +39,10 @@ def test_the_channels_are_those_of_a_drive_with_clearance(result):
         assert values.shape[1:] == other.arrays[name].shape[1:], name
     evaluations = [rc.Simulation(d).evaluate() for d in (DRIVE, rc.paper_drive(pretension=100.0))]
     ideal, clearance = map(vars, evaluations)
-    assert ideal.keys() == clearance.keys()
+    # The joints and contacts of its mechanism come in addition.
+    more = {name for name in ideal if name.startswith(("joint_", "contact_"))}
+    assert len(more) == 6
+    assert ideal.keys() - more == clearance.keys()
     for name, values in clearance.items():
         assert (ideal[name].shape, ideal[name].dtype) == (values.shape, values.dtype), name
 
@@ -135,6 +138,35 @@ def test_joint_loads_are_those_of_the_joints_by_their_names(result):
     clearance = rc.Simulation(rc.paper_drive()).run(2e-4, progress=False)
     with pytest.raises(rc.InvalidInput, match=r"hinges = 'clearance': .* hinge_force .* draw them"):
         clearance.plot.joint_loads()
+
+
+def test_joints_and_contacts_go_by_the_names_of_the_mechanism(tmp_path):
+    """They have the numbers of hinges, bushings and motors, and of the mechanism itself."""
+    simulation = rc.Simulation(DRIVE, solver=SOLVER)
+    evaluation = simulation.evaluate()
+    result = simulation.run(5e-3, progress=False, stop=rc.JointForceAbove(1e9))
+    assert result.groups == ("hinges", "teeth", "sprockets", "joints", "contacts", "energy")
+    hinges = slice(first := result.joint_names.index("hinge_1"), first + DRIVE.chain.links)
+    np.testing.assert_array_equal(
+        evaluation.joint_reaction[hinges, :2], evaluation.hinge_force_vector
+    )
+    joint = result.joint("hinge_6")
+    np.testing.assert_array_equal(joint.force, result.hinge(6).force_vector)
+    np.testing.assert_array_equal(joint.peak_force, result.peaks.hinge_force[:, 5])
+    np.testing.assert_array_equal(result.peaks.joint_force[:, hinges], result.peaks.hinge_force)
+    np.testing.assert_array_equal(result.joint("motor_1").torque, result.sprocket(1).torque)
+    forces = [result.contact(f"bushing_6_on_sprocket_{k}").force for k in (1, 2)]
+    np.testing.assert_array_equal(np.max(forces, axis=0), result.bushing(6).tooth_force)
+    mechanism = rc.Simulation(DRIVE.to_mechanism(hinges="ideal"), solver=SOLVER)
+    assert list(result.joint_names) == mechanism.joint_names
+    assert list(result.contact_names) == mechanism.contact_names
+    assert result.plot.residuals().axes
+    assert result.plot.contact_force("bushing_6_on_sprocket_1").axes
+    result.save(tmp_path / "run.nc")
+    assert rc.load_result(tmp_path / "run.nc") == result
+    without = rc.Simulation(DRIVE).run(1e-4, record=("hinges",), progress=False)
+    with pytest.raises(rc.NotRecorded, match="joints were not recorded; pass record="):
+        without.joint("hinge_6")
 
 
 def test_results_come_back_from_their_file(result, tmp_path):

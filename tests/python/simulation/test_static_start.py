@@ -58,14 +58,4 @@ def test_a_surface_that_does_not_exist_is_refused():
     place = rc.Simulation(scene)
     for surface in [(38, 0, 0), (0, 2, 0), (0, 0, 200)]:
         with pytest.raises(rc.InvalidInput, match="surfaces"):
-            _rustchain.Core(
-                scene.drive,
-                scene.force_law,
-                None,
-                None,
-                1e-3,
-                scene.solver,
-                place.positions,
-                place.velocities,
-                [surface],
-            )
+            _rustchain.Core(scene, place.positions, place.velocities, [surface])
