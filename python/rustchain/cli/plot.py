@@ -23,8 +23,6 @@ from rustchain.paths import write_whole
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_SOME_HINGES = (6, 11)  # those that the published figures show
-
 
 def plot(
     file: Annotated[
@@ -41,7 +39,9 @@ def plot(
     out: Annotated[Path, typer.Option(help="Folder for the figures.")] = Path("figures"),
     hinges: Annotated[
         str | None,
-        typer.Option(help="Numbers of the hinges and bushings to draw; 6,11 by default."),
+        typer.Option(
+            help="Numbers of hinges and bushings, such as 6,11; by default the most loaded ones."
+        ),
     ] = None,
     form: Annotated[str, typer.Option("--format", help="png, pdf or svg.")] = "png",
     as_json: AsJson = False,
@@ -105,16 +105,16 @@ def _figures(result: rc.Result, hinges: str | None) -> dict[str, Callable[[], Fi
             "residuals": draw.residuals,
             "energy": draw.energy,
         }
-    first, *more = _numbers(hinges, result.drive.hinge_count)
+    numbers = _numbers(hinges, result.drive.hinge_count)
     return {
         "drive": draw.drive,
         "tension": draw.tension,
         "energy": draw.energy,
-        "hinge_force": lambda: draw.hinge_force(first, *more),
-        "tooth_force": lambda: draw.tooth_force(first, *more),
-        "hinge_force_penetration": lambda: draw.force_penetration(first, *more, contact="hinge"),
-        "tooth_force_penetration": lambda: draw.force_penetration(first, *more, contact="tooth"),
-        "orbit": lambda: draw.orbit(first, *more),
+        "hinge_force": lambda: draw.hinge_force(*numbers),
+        "tooth_force": lambda: draw.tooth_force(*numbers),
+        "hinge_force_penetration": lambda: draw.force_penetration(*numbers, contact="hinge"),
+        "tooth_force_penetration": lambda: draw.force_penetration(*numbers, contact="tooth"),
+        "orbit": lambda: draw.orbit(*numbers),
         "hinge_loads": draw.hinge_loads,
         "tooth_loads": draw.tooth_loads,
         "polar_tooth_loads": draw.polar_tooth_loads,
@@ -128,9 +128,9 @@ def _figures(result: rc.Result, hinges: str | None) -> dict[str, Callable[[], Fi
 
 
 def _numbers(text: str | None, count: int) -> list[int]:
-    """Return the numbers in a text such as "6,11", or those that are drawn without one."""
+    """Return the numbers in a text such as "6,11"; none without one."""
     if text is None:
-        return [number for number in _SOME_HINGES if number <= count] or [1]
+        return []
     try:
         numbers = [int(number) for number in text.split(",")]
     except ValueError:

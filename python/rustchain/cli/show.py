@@ -68,6 +68,12 @@ def animate(
         check_file(path, "run.gif")
         make_room(path)
         result = result_of(source, duration, settings, output)
+        if "bodies" not in result.groups:
+            record = ",".join(GROUPS[result.scene.kind])
+            fail(
+                f"{source}: bodies were not recorded; give the drive file, which is then run, or "
+                f"a result of rustchain run --record {record}"
+            )
         result.animate(
             path,
             start=start,

@@ -21,6 +21,7 @@ from rustchain.plot.style import Ax, Figures, legend_of_distinct, panels, styled
 from rustchain.results.views import Bushing
 from rustchain.typing import Time
 
+_SHOWN = 2  # hinges or bushings, where none are named
 _SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
 
 
@@ -29,11 +30,11 @@ class ContactFigures(Figures):
 
     @styled
     def hinge_force(
-        self, hinge: int, *more: int, start: Time = None, end: Time = None, ax: Ax = None
+        self, *hinges: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
-        """Draw the contact force of hinges over time."""
-        numbers = (hinge, *more)
+        """Draw the contact force of hinges over time, by default of the two most loaded."""
         rows = self.rows(start, end)
+        numbers = hinges or self._most_loaded("hinge_force", rows)
         figure, cells = panels(len(numbers), "time [s]", "pin / bushing force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             view = self.result.hinge(number)
@@ -43,11 +44,14 @@ class ContactFigures(Figures):
 
     @styled
     def tooth_force(
-        self, bushing: int, *more: int, start: Time = None, end: Time = None, ax: Ax = None
+        self, *bushings: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
-        """Draw the tooth force of bushings over time, each stay with its sprocket and gap."""
-        numbers = (bushing, *more)
+        """Draw the tooth force of bushings over time, each stay with its sprocket and gap.
+
+        By default those of the two most loaded bushings.
+        """
         window = self.rows(start, end)
+        numbers = bushings or self._most_loaded("tooth_force", window)
         figure, cells = panels(len(numbers), "time [s]", "bushing / tooth force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             view = self.result.bushing(number)
@@ -85,8 +89,8 @@ class ContactFigures(Figures):
 
         Tooth contacts are coloured by the region of the tooth. With regions "kept" the stiffness is
         that of the region of the contact onset, so that points of one colour may lie on two lines.
-        Hinges are shown with the elastic part of their law. The contacts of a mechanism go by their
-        names; without a name, all are drawn.
+        Hinges are shown with the elastic part of their law. By default the two most loaded ones are
+        drawn. The contacts of a mechanism go by their names; without a name, all are drawn.
         """
         rows = self.rows(start, end)
         if self.result.scene.kind == "mechanism":
@@ -94,10 +98,7 @@ class ContactFigures(Figures):
         if contact not in ("tooth", "hinge"):
             msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('tooth', 'hinge'))}"
             raise InvalidInput(msg)
-        if not numbers:
-            raise InvalidInput(
-                "force_penetration(): names no hinge or bushing; expected its number"
-            )
+        numbers = numbers or self._most_loaded(f"{contact}_force", rows)
         draw = self._tooth_loops if contact == "tooth" else self._hinge_loops
         label = "bushing / tooth" if contact == "tooth" else "pin / bushing"
         figure, cells = panels(len(numbers), "penetration [µm]", f"{label} force [N]", ax=ax)
@@ -108,15 +109,14 @@ class ContactFigures(Figures):
         return figure
 
     @styled
-    def orbit(
-        self, hinge: int, *more: int, start: Time = None, end: Time = None, ax: Ax = None
-    ) -> Figure:
+    def orbit(self, *hinges: int, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the path of a pin's centre in its bushing, coloured by the force between the two.
 
-        The dotted circle shows the contact onset. One scale of colours holds for all hinges.
+        The dotted circle shows the contact onset. One scale of colours holds for all hinges. By
+        default the two most loaded ones are drawn.
         """
-        numbers = (hinge, *more)
         rows = self.rows(start, end)
+        numbers = hinges or self._most_loaded("hinge_force", rows)
         clearance = 1e6 * self.result.drive.chain.hinge.clearance
         figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4), ax=ax)
         views = [self.result.hinge(number) for number in numbers]
@@ -136,6 +136,11 @@ class ContactFigures(Figures):
         if ax is None:
             figure.colorbar(drawn, ax=cells, label="pin / bushing force [N]", shrink=0.8)
         return figure
+
+    def _most_loaded(self, force: str, rows: slice) -> tuple[int, ...]:
+        """Return the numbers of the two contacts with the largest force in some rows, in order."""
+        largest = self.result.array(force)[rows].max(axis=0, initial=0.0)
+        return tuple(int(k) + 1 for k in np.sort(np.argsort(-largest, kind="stable")[:_SHOWN]))
 
     def _tooth_loops(self, axes: Axes, number: int, rows: slice) -> None:
         """Draw force against penetration of a bushing, coloured by region."""

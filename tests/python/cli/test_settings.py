@@ -244,6 +244,14 @@ def test_plot_draws_what_a_mechanism_has(tmp_path):
     assert "a mechanism has none" in done.output
 
 
+def test_a_result_without_bodies_cannot_be_animated(tmp_path):
+    rustchain("run", "paper", "--duration", 1e-3, "--out", tmp_path / "run.nc")
+    done = rustchain("animate", tmp_path / "run.nc", "--out", tmp_path / "run.gif")
+    assert done.exit_code == 1
+    assert "run.nc: bodies were not recorded; give the drive file" in done.output
+    assert "--record hinges,teeth,sprockets,bodies,energy" in done.output
+
+
 def test_a_drive_or_a_result_is_animated(tmp_path):
     path = tmp_path / "drive.gif"
     short = ("--fps", 10, "--slow-motion", 100, "--width", 200)

@@ -93,6 +93,29 @@ def test_a_figure_can_be_drawn_into_given_axes(name):
     np.testing.assert_array_equal(figure.get_size_inches(), (9.0, 3.0))
 
 
+@pytest.mark.parametrize(
+    ("draw", "force", "options"),
+    [
+        ("hinge_force", "hinge_force", {}),
+        ("orbit", "hinge_force", {}),
+        ("tooth_force", "tooth_force", {}),
+        ("tooth_force", "tooth_force", {"start": 0.01, "end": 0.012}),
+        ("force_penetration", "tooth_force", {}),
+        ("force_penetration", "hinge_force", {"contact": "hinge"}),
+    ],
+)
+def test_without_numbers_the_two_most_loaded_are_drawn(draw, force, options):
+    inside = (RESULT.time >= options.get("start", 0.0)) & (RESULT.time <= options.get("end", 1.0))
+    largest = RESULT.array(force)[inside].max(axis=0)
+    first, second = sorted(np.argsort(largest)[-2:] + 1)
+    figure = getattr(RESULT.plot, draw)(**options)
+    titles = [axes.get_title("left") for axes in figure.axes[:2]]
+    for title, number in zip(titles, (first, second), strict=True):
+        assert str(number) in title.split()
+    if not options:
+        assert (first, second) != (6, 11)
+
+
 @pytest.mark.parametrize("ax", [3, [], "axes"])
 def test_other_axes_than_the_figure_has_panels_are_refused(ax):
     with pytest.raises(rc.InvalidInput, match=r"ax.*expected .*Axes"):
