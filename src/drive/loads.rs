@@ -105,6 +105,22 @@ impl InputBounds {
     }
 }
 
+/// Return the force \[N\] that `signal` sets on the tensioner of the sprocket `name`.
+///
+/// # Errors
+/// If the sprocket has none, or the force is a function of time.
+pub(crate) fn tensioner_force(name: &str, has_tensioner: bool, signal: &Signal) -> Result<f64> {
+    if !has_tensioner {
+        let expected = "has no tensioner: describe one with ChainDrive.tensioner to set its force";
+        return Err(Error::invalid("sprocket", name, expected));
+    }
+    let Signal::Constant(force) = *signal else {
+        let expected = "must be a number in N; set it again at each time at which it changes";
+        return Err(Error::invalid("force", "function of time", expected));
+    };
+    Ok(force)
+}
+
 /// Return sprocket `number` (from 0) of all sprockets of a drive, for an input.
 ///
 /// # Errors

@@ -10,7 +10,7 @@
 //! Bodies are in the order of the drive, so rows of both agree. An arm, which is not a body of the drive, comes last.
 
 pub(crate) mod channels;
-mod tensioner;
+pub(crate) mod tensioner;
 
 use super::description::body::Frame;
 use super::{

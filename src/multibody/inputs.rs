@@ -31,6 +31,11 @@ pub(crate) enum MechanismInput {
     },
     /// Torque of a force element.
     Torque { force: usize, signal: Signal },
+    /// Components of an applied force.
+    Force {
+        force: usize,
+        components: [Signal; 2],
+    },
 }
 
 impl MechanismInput {
@@ -39,6 +44,7 @@ impl MechanismInput {
         match self {
             Self::Speed { equation, .. } => (InputQuantity::Speed, *equation),
             Self::Torque { force, .. } => (InputQuantity::Torque, *force),
+            Self::Force { force, .. } => (InputQuantity::TensionerForce, *force),
         }
     }
 }
@@ -86,8 +92,7 @@ impl MechanismModel {
                 Ok((*present != signal).then_some(MechanismInput::Torque { force, signal }))
             }
             InputQuantity::TensionerForce => {
-                let expected =
-                    "cannot be set where hinges are ideal: describe it with hinges='clearance'";
+                let expected = "must be of a drive: a mechanism has none";
                 Err(Error::invalid("force of the tensioner", name, expected))
             }
         }
@@ -160,6 +165,13 @@ impl MechanismModel {
                 };
                 std::mem::swap(present, signal);
             }
+            MechanismInput::Force { force, components } => {
+                let ForceKind::Force { x, y, .. } = &mut self.forces.get_mut(*force)?.kind else {
+                    return None;
+                };
+                std::mem::swap(x, &mut components[0]);
+                std::mem::swap(y, &mut components[1]);
+            }
         }
         Some(())
     }
@@ -191,9 +203,45 @@ impl MechanismDynamics {
         t: f64,
         adams: &mut Adams,
     ) -> Result<bool> {
-        let Some(input) = self.model.input(name, quantity, signal, t)? else {
-            return Ok(false);
+        match self.model.input(name, quantity, signal, t)? {
+            Some(input) => self.apply(name, input, t, adams),
+            None => Ok(false),
+        }
+    }
+
+    /// Change the components of the applied force `name` from time `t` \[s\] on, as [`Self::set_input`].
+    ///
+    /// # Errors
+    /// If there is no such force.
+    pub(crate) fn set_force(
+        &mut self,
+        name: &str,
+        components: [Signal; 2],
+        t: f64,
+        adams: &mut Adams,
+    ) -> Result<bool> {
+        let mut forces = self.model.forces.iter().enumerate();
+        let found = forces.find_map(|(number, force)| match &force.kind {
+            ForceKind::Force { x, y, .. } if force.name == name => Some((number, [x, y])),
+            _ => None,
+        });
+        let Some((force, present)) = found else {
+            return Err(unknown("force", name, std::iter::empty()));
         };
+        if present == components.each_ref() {
+            return Ok(false);
+        }
+        self.apply(name, MechanismInput::Force { force, components }, t, adams)
+    }
+
+    /// Change what `input` replaces, of the part `name`, from time `t` \[s\] on.
+    fn apply(
+        &mut self,
+        name: &str,
+        input: MechanismInput,
+        t: f64,
+        adams: &mut Adams,
+    ) -> Result<bool> {
         self.evaluate_inside(adams, t);
         let mut state = self.work.inside.clone();
         let mut replaced = input.clone();
@@ -201,7 +249,7 @@ impl MechanismDynamics {
         let fits = Arc::make_mut(&mut self.model).exchange(&mut replaced);
         debug_assert!(fits.is_some(), "the input is of this model");
         let bent = self.contacts.bristles.deflection.clone();
-        let jumps = quantity == InputQuantity::Speed;
+        let jumps = matches!(input, MechanismInput::Speed { .. });
         if jumps && !(self.projector()).project(t, &mut state, ITERATIONS, AtHand::Nothing) {
             let residuals = self.constraints.what_misses(&self.model, &self.frames);
             Arc::make_mut(&mut self.model).exchange(&mut replaced);

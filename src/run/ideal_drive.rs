@@ -15,6 +15,7 @@ use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
 use crate::multibody::from_drive::channels::DriveView;
+use crate::multibody::from_drive::tensioner::PullLoad;
 use crate::multibody::{DriveContacts, Mechanism, MechanismGroups, MechanismModel};
 use crate::system::Recording;
 
@@ -160,7 +161,7 @@ impl IdealDrive {
         Rows::new(recording, self.run.model()).channels(&self.view, self.groups)
     }
 
-    /// Set another speed or torque of sprocket `sprocket` (from 0) from the present time on, as of a drive with clearance.
+    /// Set another speed, torque or tensioner force of sprocket `sprocket` (from 0) from the present time on, as of a drive with clearance.
     ///
     /// # Errors
     /// If there is no such sprocket, its motion has no such quantity, or `signal` is outside the range of a drive's description; the
@@ -172,6 +173,16 @@ impl IdealDrive {
         signal: Signal,
     ) -> Result<()> {
         let name = self.view.input(sprocket, quantity, &signal)?;
-        self.run.set_input(&name, quantity, signal)
+        if quantity != InputQuantity::TensionerForce {
+            return self.run.set_input(&name, quantity, signal);
+        }
+        let (name, load) = self.view.tensioner_load(sprocket, &signal)?;
+        match load {
+            PullLoad::Force(x, y) => self.run.set_force(&name, [x.into(), y.into()]),
+            PullLoad::Torque(torque) => {
+                let quantity = InputQuantity::Torque;
+                self.run.set_input(&name, quantity, torque.into())
+            }
+        }
     }
 }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Model;
 use super::sprocket::{Rotation, SprocketModel, Support};
-use crate::drive::{InputQuantity, sprocket_of};
-use crate::error::{Error, Result};
+use crate::drive::{InputQuantity, sprocket_of, tensioner_force};
+use crate::error::Result;
 use crate::math::Signal;
 
 /// Input of one sprocket from a given time on.
@@ -47,19 +47,14 @@ impl SprocketModel {
 
     /// Return whether the tensioner of the sprocket called `name` already has the constant `force` at `t` \[s\], behind its ramp.
     fn has_force(&self, name: &str, force: &Signal, t: f64) -> Result<bool> {
-        let Support::Slide {
-            pull, ramp_time, ..
-        } = self.support
-        else {
-            let expected =
-                "has no tensioner: describe one with ChainDrive.tensioner to set its force";
-            return Err(Error::invalid("sprocket", name, expected));
+        let present = match self.support {
+            Support::Slide {
+                pull, ramp_time, ..
+            } => Some((pull, ramp_time)),
+            _ => None,
         };
-        let Signal::Constant(force) = *force else {
-            let expected = "must be a number in N; set it again at each time at which it changes";
-            return Err(Error::invalid("force", "function of time", expected));
-        };
-        Ok(t >= ramp_time && force == pull)
+        let force = tensioner_force(name, present.is_some(), force)?;
+        Ok(present.is_some_and(|(pull, ramp_time)| t >= ramp_time && force == pull))
     }
 }
 

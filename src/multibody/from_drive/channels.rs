@@ -1,8 +1,10 @@
 //! Channels of a drive with ideal hinges from the rows of its mechanism: reactions as hinge forces, contacts as those of bushings.
 
-use super::tensioner::Arm;
+use super::tensioner::{Arm, Pull, PullLoad};
 use super::{curve_name, motor_name, sprocket_name};
-use crate::drive::{Drive, InputBounds, InputQuantity, bushing_on_front, sprocket_of};
+use crate::drive::{
+    Drive, InputBounds, InputQuantity, Tensioner, bushing_on_front, sprocket_of, tensioner_force,
+};
 use crate::error::{Error, Result};
 use crate::geometry::path::belt::{Pulley, Side};
 use crate::geometry::{Vec2, unit};
@@ -75,6 +77,8 @@ pub(crate) struct DriveView {
     first_hinge: usize,
     /// Arm of the tensioner, which is not a body of the drive, and the row of its sprocket.
     arm: Option<(Arm, usize)>,
+    /// Tensioner: its sprocket, from 0, and its pull.
+    pull: Option<(usize, Pull)>,
 }
 
 impl DriveView {
@@ -98,6 +102,10 @@ impl DriveView {
                 reach: profile.reach(chain.contact_radius()),
             })
         };
+        let pull = |tensioner: &Tensioner| {
+            let line = tensioner.line(drive)?;
+            Ok((tensioner.sprocket - 1, Pull::of(drive, &line)))
+        };
         let arm = Arm::of(drive).zip(drive.tensioner.as_ref());
         Ok(Self {
             arms: chain.link_pitches().iter().map(|p| 0.5 * p).collect(),
@@ -108,6 +116,7 @@ impl DriveView {
             first_hinge: joint("hinge_1").ok_or_else(|| {
                 Error::Impossible("ChainDrive.hinges: only ideal hinges are joints".to_string())
             })?,
+            pull: drive.tensioner.as_ref().map(pull).transpose()?,
             arm: arm.map(|(arm, tensioner)| (arm, drive.first_wheel() + tensioner.sprocket - 1)),
         })
     }
@@ -303,5 +312,20 @@ impl DriveView {
         let (name, driven) = (sprocket_name(sprocket), wheel.motor.is_some());
         wheel.bounds.check_input(&name, driven, quantity, signal)?;
         Ok(motor_name(sprocket))
+    }
+
+    /// Return the name of the tensioner of a sprocket (from 0), and its load under the force `signal`.
+    ///
+    /// # Errors
+    /// If the sprocket has no tensioner, or the force is a function of time.
+    pub(crate) fn tensioner_load(
+        &self,
+        sprocket: usize,
+        signal: &Signal,
+    ) -> Result<(String, PullLoad)> {
+        let pull = self.pull.filter(|(tight, _)| *tight == sprocket);
+        let force = tensioner_force(&sprocket_name(sprocket), pull.is_some(), signal)?;
+        let load = pull.map_or(PullLoad::Torque(0.0), |(_, pull)| pull.load(force));
+        Ok((format!("tensioner_{}", sprocket + 1), load))
     }
 }

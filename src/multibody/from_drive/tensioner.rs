@@ -57,6 +57,11 @@ impl Arm {
         })
     }
 
+    /// Return 1 where the pull rotates the arm counterclockwise, as a positive torque does, and -1 elsewhere.
+    fn sense(&self, line: &TensionerLine) -> f64 {
+        line.direction.dot(&turned_left(unit(self.angle))).signum()
+    }
+
     /// Return position and velocity of the arm's body with the sprocket at `center`. Its centre of mass is its midpoint, and its
     /// angle is within half a turn of that described.
     pub(super) fn placed(&self, center: Vec2, velocity: Vec2) -> [[f64; 3]; 2] {
@@ -69,6 +74,53 @@ impl Arm {
             [middle.x, middle.y, angle],
             [0.5 * velocity.x, 0.5 * velocity.y, spin],
         ]
+    }
+}
+
+/// Force of a tensioner on its sprocket, as a load of its mechanism.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum PullLoad {
+    /// Components on the slide \[N\].
+    Force(f64, f64),
+    /// Torque on the arm \[N m\], counterclockwise.
+    Torque(f64),
+}
+
+/// Direction of the pull of a tensioner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Pull {
+    /// Unit vector along the slide.
+    Slide(Vec2),
+    /// Torque on the arm over the force \[m\].
+    Arm(f64),
+}
+
+impl Pull {
+    /// Return the pull of the tensioner of `drive`.
+    pub(super) fn of(drive: &Drive, line: &TensionerLine) -> Self {
+        Arm::of(drive).map_or(Self::Slide(line.direction), |arm| {
+            Self::Arm(arm.sense(line) * arm.length)
+        })
+    }
+
+    /// Return the load of `force` \[N\].
+    pub(super) fn load(self, force: f64) -> PullLoad {
+        match self {
+            Self::Slide(along) => PullLoad::Force(force * along.x, force * along.y),
+            Self::Arm(lever) => PullLoad::Torque(lever * force),
+        }
+    }
+
+    /// Return the kind of a force element with this load, which grows within `time` \[s\].
+    fn kind(self, force: f64, time: f64) -> Result<ForceKind> {
+        Ok(match self.load(force) {
+            PullLoad::Force(x, y) => ForceKind::Force {
+                x: ramp(x, time)?,
+                y: ramp(y, time)?,
+                follows: false,
+            },
+            PullLoad::Torque(torque) => ForceKind::Torque(ramp(torque, time)?),
+        })
     }
 }
 
@@ -105,11 +157,7 @@ impl Mechanism {
         let name = format!("slide_{number}");
         self.joints
             .push(Joint::new(name, origin, wheel.clone(), kind));
-        let pull = ForceKind::Force {
-            x: ramp(line.pull * line.direction.x, tensioner.ramp_time)?,
-            y: ramp(line.pull * line.direction.y, tensioner.ramp_time)?,
-            follows: false,
-        };
+        let pull = Pull::of(drive, line).kind(line.pull, tensioner.ramp_time)?;
         let nowhere = Marker::new(GROUND, 0.0, 0.0);
         let name = format!("tensioner_{number}");
         self.forces
@@ -160,12 +208,9 @@ impl Mechanism {
             self.forces
                 .push(ForceElement::new(name, ground.clone(), body.clone(), kind));
         };
-        // A positive torque rotates the arm counterclockwise.
-        let left = turned_left(unit(arm.angle));
-        let sense = line.direction.dot(&left).signum();
-        let torque = ramp(sense * arm.length * line.pull, tensioner.ramp_time)?;
-        add("tensioner", ForceKind::Torque(torque));
-        for (name, law) in springs(tensioner, arm.length, sense)? {
+        let pull = Pull::of(drive, line).kind(line.pull, tensioner.ramp_time)?;
+        add("tensioner", pull);
+        for (name, law) in springs(tensioner, arm.length, arm.sense(line))? {
             let rest = Some(arm.angle);
             add(name, ForceKind::TorsionSpring { law, rest });
         }

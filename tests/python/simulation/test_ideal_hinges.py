@@ -255,3 +255,32 @@ def test_a_sweep_of_ideal_hinges_has_the_numbers_of_single_runs():
     swept = rc.sweep(DRIVE, {"accuracy": [1e-8]}, ends, duration=1e-3, progress=False)
     alone = rc.Simulation(DRIVE, solver=dataclasses.replace(rc.Scene(DRIVE).solver, accuracy=1e-8))
     np.testing.assert_array_equal(swept.values[0], ends(alone.run(1e-3, progress=False)))
+
+
+@pytest.mark.parametrize("pivot", [None, (0.05, 0.05)])
+def test_a_tensioner_force_that_is_set_is_that_of_a_tensioner_described_with_it(pivot, tmp_path):
+    tensioner = rc.Tensioner(25.0, ramp_time=0.1, pivot=pivot)
+    drive = dataclasses.replace(DRIVE, tensioner=tensioner)
+    at_once = dataclasses.replace(tensioner, ramp_time=0.0)
+    described = rc.Simulation(dataclasses.replace(drive, tensioner=at_once), solver=SOLVER)
+    told = rc.Simulation(drive, solver=SOLVER)
+    force = drive.check().tension_force
+    told.set_tensioner_force(force)
+    for simulation in (described, told):
+        simulation.step_to(2e-3)
+    np.testing.assert_allclose(told.positions, described.positions, rtol=0, atol=1e-12)
+    told.set_tensioner_force(3.0 * force)
+    # The force acts on the sprocket alone at once.
+    shift = told.evaluate().accelerations - described.evaluate().accelerations
+    assert np.abs(shift[-1, :2]).max() > 10.0
+    told.save_state(tmp_path / "state.npz")
+    again = rc.Simulation.load_state(tmp_path / "state.npz")
+    for simulation in (told, again):
+        simulation.step_to(3e-3)
+    np.testing.assert_array_equal(again.positions, told.positions)
+    for wrong, message in (
+        (-1.0, "must be zero or a positive"),
+        ([(0.0, 1.0), (1.0, 2.0)], "must be a number in N"),
+    ):
+        with pytest.raises(rc.InvalidInput, match=message):
+            told.set_tensioner_force(wrong)
