@@ -62,13 +62,26 @@ def _pool(kind: str, count: int) -> Iterator[dict[str, Any]]:
     if kind == "loky":
         executor = _imported("loky", "loky").ProcessPoolExecutor(count)
     else:  # not forked: threads of this process would stop in the middle of what they do
-        executor = ProcessPoolExecutor(count, get_context("spawn"))
+        executor = ProcessPoolExecutor(count, get_context("spawn"), _end_with_parent)
     try:
         yield {"executor": executor}
     finally:
         executor.shutdown(wait=False)  # the sweep has cancelled what waits
         for child in active_children():
             child.terminate()
+
+
+def _end_with_parent() -> None:
+    """End this worker when its parent has ended: after a kill it would wait for cases forever."""
+    from multiprocessing import parent_process
+    from threading import Thread
+
+    def wait() -> None:
+        if (parent := parent_process()) is not None:
+            parent.join()
+        os._exit(1)
+
+    Thread(target=wait, daemon=True).start()
 
 
 def _imported(module: str, package: str) -> Any:  # noqa: ANN401

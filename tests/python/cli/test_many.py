@@ -1,6 +1,7 @@
 """The commands of many runs: what Python gives, tables, stores, failures counted, Ctrl-C."""
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -311,3 +312,40 @@ def test_ctrl_c_keeps_what_is_done_and_the_command_goes_on(executor, tmp_path):
     done = rustchain(*called[3:])
     assert "4 of 4 cases finished" in done.output
     assert len(list(runs.glob("*.nc"))) == 4
+
+
+def _runs(pid):
+    """Return whether a process is there and has not ended."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="children are read from /proc")
+def test_workers_end_with_a_command_that_is_killed_and_it_goes_on(tmp_path):
+    file = tmp_path / "long.toml"
+    file.write_text(
+        'drive = "paper"\nmeasure = "measures.py:peak"\n[axes]\n'
+        "duration = [1e-3, 1000.0]\n[run]\nreport_step = 1e-3\n"
+    )
+    called = ["sweep", "long.toml", "--store", "runs", "--executor", "processes:2"]
+    running = subprocess.Popen(
+        [sys.executable, "-m", "rustchain", *called], stderr=subprocess.DEVNULL
+    )
+    while running.poll() is None and not list((tmp_path / "runs").glob("*.nc")):
+        time.sleep(0.05)
+    tasks = Path(f"/proc/{running.pid}/task").glob("*/children")
+    workers = [int(pid) for task in tasks for pid in task.read_text().split()]
+    assert len(workers) >= 2
+    running.kill()
+    running.wait()
+    end = time.monotonic() + 30.0
+    while any(map(_runs, workers)) and time.monotonic() < end:
+        time.sleep(0.1)
+    left = [pid for pid in workers if _runs(pid)]
+    for pid in left:
+        os.kill(pid, signal.SIGKILL)
+    assert left == []
+    file.write_text(file.read_text().replace("1000.0", "2e-3"))
+    assert "2 of 2 cases finished" in rustchain(*called).output
