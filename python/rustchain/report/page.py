@@ -227,16 +227,18 @@ def _pressures(found: Safety) -> str:
         ("projected, of the largest force", _number(1e-6 * found.largest_pressure), "MPa", ""),
         ("Hertz, of the largest force", _number(1e-6 * found.hertz_pressure), "MPa", ""),
     ]
-    return "<h3>Pressure in the hinges</h3>" + _table(("", "pressure", "", "usually at most"), rows)
+    return "<h3>Pressure in the hinges</h3>" + _table(("", "pressure", "", "guide value"), rows)
 
 
 _SOURCES = (
     f'<p class="note">Safety of {USUAL_SAFETY:g} of the breaking load for chains with press-fit '
     f"connecting links, {USUAL_SAFETY_OFFSET:g} with offset links: rule of Diamond Chain for slow "
-    "drives. Pressure over the projected area, pin diameter times length of the bushing: allowable "
-    "mean values of Chernavskii and others, Course Design of Machine Elements, for pitch and speed "
-    "of a small sprocket of 17 teeth, and 1 % more for each further tooth; typical values, not "
-    "checked against a second source. Neither replaces the maker's selection.</p>"
+    "drives. Pressure over the projected area, pin diameter times length of the bushing. Its guide "
+    "value is a textbook's for the mean pressure, at this pitch and speed of the small sprocket, "
+    "with 1 % more for each tooth above 17: Chernavskii and others, Course Design of Machine "
+    "Elements (edition and page not checked). It is no limit of a standard or of the chain's "
+    "manufacturer, and other tables differ from it by up to 30 %. The manufacturer's selection by "
+    "power decides.</p>"
 )
 
 

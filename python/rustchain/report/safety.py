@@ -1,4 +1,4 @@
-"""Safety of a chain against breaking, and pressure in its hinges, beside what is usual."""
+"""Safety of a chain against breaking, and pressure in its hinges, beside guide values."""
 
 from __future__ import annotations
 
@@ -20,9 +20,11 @@ if TYPE_CHECKING:
 # connecting links, and chains with slip-fit ones or offset links.
 USUAL_SAFETY, USUAL_SAFETY_OFFSET = 6.0, 9.0
 
-# Allowable mean pressure in the hinges of roller chains [MPa] where the small sprocket has 17 teeth
-# (Chernavskii and others, Course Design of Machine Elements): speed of the small sprocket [rpm],
-# then a value for each pitch. A typical value, not checked against a second source.
+# Guide values of the mean pressure in the hinges of roller chains [MPa], with 17 teeth on the small
+# sprocket: its speed [rpm], then a value for each pitch. They are those of a textbook, Chernavskii and others, Course Design of Machine Elements; edition and page were not
+# checked. No value of a standard or of a manufacturer was found. Another table of the same purpose,
+# used in course designs, has 34.3 MPa at 50 rpm and 22.0 MPa at 1000 rpm for pitches of 12.7 and
+# 15.875 mm.
 _PITCHES = np.array([12.7, 15.875, 19.05, 25.4, 31.75, 38.1, 44.45, 50.8])  # [mm]
 _ALLOWED = np.array(
     [
@@ -56,7 +58,8 @@ class Safety:
     pressure, largest_pressure : float
         `pull` and `largest_force` over the projected area of a pin in its bushing [Pa].
     allowed_pressure : float, optional
-        What is usual for the first at this pitch and speed [Pa]; None: outside the table.
+        Guide value of a textbook for the first, at this pitch and speed [Pa]; None: outside the
+        table. It is no limit of a standard or a manufacturer.
     hertz_pressure : float
         Largest pressure by Hertz's line contact [Pa].
     usual_safety : float
@@ -113,7 +116,7 @@ def safety_of(result: Result, breaking_load: float | None = None) -> Safety:
 
 
 def allowed_pressure(pitch: float, speed: float, teeth: int) -> float | None:
-    """Return the usual allowable mean pressure in the hinges of a roller chain [Pa].
+    """Return a textbook's guide value of the mean pressure in hinges of a roller chain [Pa].
 
     Parameters
     ----------
@@ -134,7 +137,7 @@ def allowed_pressure(pitch: float, speed: float, teeth: int) -> float | None:
 
 
 def _allowed(result: Result) -> float | None:
-    """Return the allowable pressure at the mean speed of the sprocket with the fewest teeth."""
+    """Return the guide value at the mean speed of the sprocket with the fewest teeth."""
     if "sprocket_speed" not in result.arrays or not result.drive.sprockets:
         return None
     teeth = [sprocket.teeth for sprocket in result.drive.sprockets]

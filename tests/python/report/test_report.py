@@ -84,6 +84,16 @@ def test_the_allowable_pressure_is_that_of_the_table(pitch, turns, teeth, expect
     assert found == (None if expected is None else pytest.approx(expected))
 
 
+def test_the_page_says_what_the_guide_value_of_the_pressure_is(result, tmp_path):
+    path = tmp_path / "report.html"
+    result.report(path)
+    section = path.read_text(encoding="utf-8").partition("Pressure in the hinges")[2]
+    assert "<th>guide value</th>" in section
+    assert "Chernavskii and others, Course Design of Machine Elements" in section
+    assert "It is no limit of a standard or of the chain's manufacturer" in section
+    assert "usually at most" not in section
+
+
 def test_offset_links_need_more_safety(result):
     odd = rc.two_sprocket_drive("ANSI 40", (17, 17), links=39, speed=20.0)
     fake = replace(result, scene=replace(result.scene, system=odd))
