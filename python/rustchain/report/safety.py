@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 USUAL_SAFETY, USUAL_SAFETY_OFFSET = 6.0, 9.0
 
 # Guide values of the mean pressure in the hinges of roller chains [MPa], with 17 teeth on the small
-# sprocket: its speed [rpm], then a value for each pitch. They are those of a textbook, Chernavskii and others, Course Design of Machine Elements; edition and page were not
-# checked. No value of a standard or of a manufacturer was found. Another table of the same purpose,
-# used in course designs, has 34.3 MPa at 50 rpm and 22.0 MPa at 1000 rpm for pitches of 12.7 and
-# 15.875 mm.
+# sprocket: its speed [rpm], then a value for each pitch. They are those of a textbook, Chernavskii
+# and others, Course Design of Machine Elements; edition and page were not checked. No value of a
+# standard or of a manufacturer was found. Another table of the same purpose, used in course
+# designs, has 34.3 MPa at 50 rpm and 22.0 MPa at 1000 rpm for pitches of 12.7 and 15.875 mm.
 _PITCHES = np.array([12.7, 15.875, 19.05, 25.4, 31.75, 38.1, 44.45, 50.8])  # [mm]
 _ALLOWED = np.array(
     [
