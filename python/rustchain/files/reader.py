@@ -10,7 +10,7 @@ from typing import Any, Literal, get_args, get_origin
 from rustchain import _rustchain
 from rustchain.arguments import shown
 from rustchain.catalogue.generators import chain_drive, open_chain
-from rustchain.catalogue.standard import two_sprocket_drive
+from rustchain.catalogue.standard import catalogue_chain, two_sprocket_drive
 from rustchain.description.base import Description
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
@@ -220,6 +220,7 @@ class Reader:
             message = f"{shown(given)} is not known; {suggest(given, makers)}"
             return self.refuse((*key, "type"), message)
         before, fields = len(self._refusals), fields_of(makers[name])
+        self._check_name(value, fields, key)
         entries = self.entries(self._with_links(value, makers[name], key), fields, key)
         made = {each: self.value(v, fields[each].hint, (*key, each)) for each, v in entries}
         if len(self._refusals) > before:
@@ -230,6 +231,14 @@ class Reader:
             refused = self.source.refusal(key, str(error))
             refused.__cause__ = error
             return self._keep(key, refused)
+
+    def _check_name(self, drive: Mapping[str, Any], fields: Mapping[str, Field], key: Key) -> None:
+        """Refuse a chain that the catalogue lacks, so that all mistakes are told at once."""
+        if isinstance(name := drive.get("chain"), str) and "chain" in fields:
+            try:
+                catalogue_chain(name, 4)
+            except InvalidInput as error:
+                self.refuse((*key, "chain"), str(error).removeprefix("chain: "))
 
     def _with_links(self, drive: Mapping[str, Any], maker: Maker, key: Key) -> Mapping[str, Any]:
         """Return the table of a drive whose chain has the drive's number of links.

@@ -118,6 +118,17 @@ def test_links_of_a_chain_that_would_be_ignored_are_refused(tmp_path, maker, lin
         rc.load_scene(path)
 
 
+def test_a_name_that_the_catalogue_lacks_is_told_with_the_other_mistakes(tmp_path):
+    text = COUNTED.partition("[drive.chain]")[0].format(maker="chain_drive", links="")
+    text += 'chain = "ISO 08C"\nsprockets = [{ teth = 17 }]\n'
+    with pytest.raises(rc.InvalidInput) as caught:
+        rc.load_scene(written(tmp_path, text))
+    first, second = str(caught.value).splitlines()
+    assert "line 5, column 1: drive.chain: 'ISO 08C' is not in the catalogue; did you mean" in first
+    assert "line 6" in second
+    assert "teth: means nothing here; did you mean 'teeth'?" in second
+
+
 def test_links_of_both_tables_of_a_drive_of_two_sprockets_must_agree(tmp_path):
     text = """
 [drive]
