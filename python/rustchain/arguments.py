@@ -179,7 +179,8 @@ def _row(where: str, value: Any, hint: Any) -> Any:  # noqa: ANN401
     fixed = get_origin(hint) is tuple and Ellipsis not in arguments
     if fixed and len(listed) != len(arguments):
         raise InvalidInput(f"{where}: got {shown(value)}; expected {len(arguments)} values")
-    return tuple(admitted(f"{where}[{k}]", one, each) for k, one in enumerate(listed))
+    head, end = (where[:-1], ")") if where.endswith(")") else (where, "")
+    return tuple(admitted(f"{head}.{k}{end}", one, each) for k, one in enumerate(listed, 1))
 
 
 def items_within(where: str, values: Any, most: int) -> list[Any] | None:  # noqa: ANN401

@@ -163,7 +163,7 @@ impl Drive {
         self.check_motions()?;
         for (i, guide) in self.guides.iter().enumerate() {
             if let Mount::Arm(arm) = &guide.mount {
-                let field = format!("ChainDrive.guides[{i}].arm.force");
+                let field = format!("ChainDrive.guides.{}.arm.force", i + 1);
                 refuse_above(most, pitch, "N", &field, arm.force)?;
             }
         }
@@ -174,7 +174,8 @@ impl Drive {
     fn check_motions(&self) -> Result<()> {
         for (i, sprocket) in self.sprockets.iter().enumerate() {
             let bounds = InputBounds::of(&self.chain, sprocket.teeth);
-            let motion = |quantity: &str| format!("ChainDrive.sprockets[{i}].motion.{quantity}");
+            let motion =
+                |quantity: &str| format!("ChainDrive.sprockets.{}.motion.{quantity}", i + 1);
             match &sprocket.motion {
                 SprocketMotion::PrescribedSpeed(speed) => {
                     bounds.check_speed(&motion("speed"), speed.largest())?;
@@ -190,7 +191,7 @@ impl Drive {
                 SprocketMotion::Free => {}
             }
             if let Some(speed) = sprocket.initial_speed {
-                let field = format!("ChainDrive.sprockets[{i}].initial_speed");
+                let field = format!("ChainDrive.sprockets.{}.initial_speed", i + 1);
                 bounds.check_speed(&field, speed)?;
             }
         }
@@ -207,7 +208,7 @@ impl Drive {
                 let expected = format!(
                     "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"
                 );
-                let field = format!("ChainDrive.ends[{i}].velocity");
+                let field = format!("ChainDrive.ends.{}.velocity", i + 1);
                 return Err(Error::invalid(field, speed, expected));
             }
         }
@@ -240,7 +241,7 @@ impl Drive {
         )?;
         for (i, end) in self.ends.iter().flatten().enumerate() {
             if let ChainEnd::Load { mass, .. } = end {
-                let field = format!("ChainDrive.ends[{i}].mass");
+                let field = format!("ChainDrive.ends.{}.mass", i + 1);
                 refuse_above(heaviest, *pitch, &unit, &field, *mass)?;
             }
         }

@@ -118,12 +118,12 @@ impl Drive {
     fn check_extent(&self) -> Result<()> {
         let longest = f64::from(MOST_LINKS) * self.chain.pitch;
         let sprockets = self.sprockets.iter().enumerate();
-        let sprockets = sprockets.map(|(i, s)| (format!("sprockets[{i}].center"), s.center));
+        let sprockets = sprockets.map(|(i, s)| (format!("sprockets.{}.center", i + 1), s.center));
         let guides = self.guides.iter().enumerate();
-        let guides = guides.map(|(i, guide)| (format!("guides[{i}].center"), guide.center));
+        let guides = guides.map(|(i, guide)| (format!("guides.{}.center", i + 1), guide.center));
         let ends = self.ends.iter().flatten().enumerate();
         let ends =
-            ends.filter_map(|(i, end)| Some((format!("ends[{i}].position"), end.position()?)));
+            ends.filter_map(|(i, end)| Some((format!("ends.{}.position", i + 1), end.position()?)));
         let mut places = sprockets.chain(ends).chain(guides).peekable();
         let origin = places.peek().map_or(Vec2::zeros(), |(_, origin)| *origin);
         for (name, place) in places {
@@ -140,7 +140,7 @@ impl Drive {
             }
         }
         for (i, guide) in self.guides.iter().enumerate() {
-            let field = format!("ChainDrive.guides[{i}], its largest extent");
+            let field = format!("ChainDrive.guides.{}, its largest extent", i + 1);
             let extent = 2.0 * guide.profile()?.outside_radius;
             check::within(&field, extent, 0.0, longest)?;
         }

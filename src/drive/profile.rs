@@ -176,7 +176,7 @@ impl ToothForm {
                 for (i, piece) in tooth.pieces.iter().enumerate() {
                     let points = [Some(piece.start), Some(piece.end), piece.center];
                     for point in points.into_iter().flatten() {
-                        let name = format!("CustomTooth.pieces[{i}]");
+                        let name = format!("CustomTooth.pieces.{}", i + 1);
                         check::finite(&name, point.x, "m")?;
                         check::finite(&name, point.y, "m")?;
                     }

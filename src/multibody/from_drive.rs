@@ -288,7 +288,7 @@ fn check_parts(drive: &Drive) -> Result<()> {
     for (number, sprocket) in drive.sprockets.iter().enumerate() {
         if sprocket.faults.eccentricity != 0.0 {
             return Err(Error::invalid(
-                format!("ChainDrive.sprockets[{number}].eccentricity"),
+                format!("ChainDrive.sprockets.{}.eccentricity", number + 1),
                 sprocket.faults.eccentricity,
                 "must be 0 in a mechanism, whose teeth are concentric",
             ));

@@ -413,7 +413,7 @@ fn a_joint_that_does_not_fit_is_named_with_its_gap_or_angle() {
     };
     let apart = refused(custom(17, 1e-5));
     assert!(
-        apart.contains("pieces[0] and [1]") && apart.contains("1.000e-5 m"),
+        apart.contains("pieces.1 and .2") && apart.contains("1.000e-5 m"),
         "{apart}"
     );
     let mut turned = custom(17, 0.0);

@@ -50,9 +50,9 @@ def load_variables(
     `place` is the bin of each force, negative for one that counts nowhere; `span` the length of its
     interval [s].
     """
-    for k, quantile in enumerate(quantiles):
+    for k, quantile in enumerate(quantiles, 1):
         if not 0.0 <= quantile <= 1.0:
-            msg = f"quantiles[{k}] = {shown(quantile)}: must be between 0 and 1"
+            msg = f"quantiles.{k} = {shown(quantile)}: must be between 0 and 1"
             raise InvalidInput(msg)
     where, force, peak = place.ravel(), forces.force.ravel(), forces.peak.ravel()
     order = np.argsort(where, kind="stable")

@@ -77,8 +77,9 @@ class Source:
         """Return the error with the place of `key`, for a fault in it or below it."""
         # What is refused is mostly a field of the table, as in "Sprocket.teeth = 3: ...", or in
         # "catalogue_chain(links): ...": its own place is nearer.
-        where = message.split(" ", 1)[0].rstrip("):").replace("(", ".")
-        below = (*key, where.rpartition(".")[2])
+        where = message.split(" ", 1)[0].rstrip("),:").replace("(", ".")
+        fields = where.split(".")[1:] or [where]
+        below = (*key, *(int(each) - 1 if each.isdecimal() else each for each in fields))
         return InvalidInput(f"{self.place(below)}: {name_of(key)}: {message}")
 
     def refusal_at(self, key: Key, message: str) -> InvalidInput:

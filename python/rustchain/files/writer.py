@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from rustchain.arguments import shown
 from rustchain.description.base import fields_of, is_default
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
@@ -49,8 +50,14 @@ def _written(where: str, value: object) -> Any:  # noqa: ANN401
     if isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, list | tuple):
-        return [_written(f"{where}[{k}]", each) for k, each in enumerate(value)]
+        return [_written(f"{where}.{_label(k, v)}", v) for k, v in enumerate(value, 1)]
     return _table(where, value)
+
+
+def _label(number: int, part: object) -> str:
+    """Return the number of a part, with its name where it has one."""
+    name = getattr(part, "name", None)
+    return f"{number} ({shown(name)})" if name else str(number)
 
 
 def _toml(path: tuple[str, ...], table: Mapping[str, Any]) -> Iterator[str]:

@@ -7,6 +7,7 @@ from typing import Literal
 from rustchain.arguments import plain
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
+from rustchain.errors import NoSuchPart
 from rustchain.parts import place_of, position_of
 
 Quantity = Literal["speed", "torque"]
@@ -20,6 +21,13 @@ def part_of(system: ChainDrive | Mechanism, part: object, quantity: Quantity) ->
     NoSuchPart
         There is no sprocket, driver or torque of this number or name.
     """
+    try:
+        return _known_part(system, part, quantity)
+    except NoSuchPart as error:
+        raise NoSuchPart(f"part: {error}") from None
+
+
+def _known_part(system: ChainDrive | Mechanism, part: object, quantity: Quantity) -> str | int:
     if isinstance(system, ChainDrive):
         number = plain(part)
         if isinstance(number, int) and not isinstance(number, bool):

@@ -148,14 +148,8 @@ impl ToothForm {
 }
 
 fn misfit_error(misfit: Misfit, tooth: &CustomTooth) -> Error {
-    let piece = |number: usize| format!("CustomTooth.pieces[{}]", number - 1);
-    let joint = |number: usize| {
-        format!(
-            "joint of CustomTooth.pieces[{}] and [{}]",
-            number - 2,
-            number - 1
-        )
-    };
+    let piece = |number: usize| format!("CustomTooth.pieces.{number}");
+    let joint = |number: usize| format!("joint of CustomTooth.pieces.{} and .{number}", number - 1);
     let whole = "CustomTooth.pieces".to_string();
     let shown = |length: f64| format!("{length:.3e} m");
     let degrees = |angle: f64| format!("{:.4} degrees", angle.to_degrees());

@@ -92,7 +92,7 @@ pub(super) fn chain_ends(read: &Reader<'_, '_>) -> PyResult<Option<[ChainEnd; 2]
         return Err(refuse(value.py(), "ChainDrive.ends", &value, expected));
     };
     Ok(Some([
-        chain_end(&first, "ChainDrive.ends[0]")?,
-        chain_end(&last, "ChainDrive.ends[1]")?,
+        chain_end(&first, "ChainDrive.ends.1")?,
+        chain_end(&last, "ChainDrive.ends.2")?,
     ]))
 }

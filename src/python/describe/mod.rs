@@ -63,7 +63,7 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
         sprockets: sprockets
             .iter()
             .enumerate()
-            .map(|(i, s)| sprocket(&s, &format!("ChainDrive.sprockets[{i}]")))
+            .map(|(i, s)| sprocket(&s, &format!("ChainDrive.sprockets.{}", i + 1)))
             .collect::<PyResult<_>>()?,
         tensioner: if tight.is_none() {
             None
@@ -74,7 +74,7 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
         guides: guides
             .iter()
             .enumerate()
-            .map(|(i, guide)| rail(&guide, &format!("ChainDrive.guides[{i}]")))
+            .map(|(i, guide)| rail(&guide, &format!("ChainDrive.guides.{}", i + 1)))
             .collect::<PyResult<_>>()?,
         ends: chain_ends(&read)?,
         hinge_kind: read.word(

@@ -68,7 +68,7 @@ fn outline(read: &Reader<'_, '_>) -> PyResult<Vec<OutlinePiece>> {
         return Err(refuse(pieces.py(), "CustomTooth.pieces", &pieces, expected));
     };
     let piece = |(i, piece): (usize, Bound<'_, PyAny>)| {
-        let field = format!("CustomTooth.pieces[{i}]");
+        let field = format!("CustomTooth.pieces.{}", i + 1);
         outline_piece(&piece, &field)
     };
     pieces.iter().enumerate().map(piece).collect()

@@ -226,7 +226,7 @@ def test_a_drive_has_two_sprockets_at_least(number):
 
 
 def test_a_sprocket_that_is_none_is_refused_by_its_place():
-    with pytest.raises(rc.InvalidInput, match=r"ChainDrive.sprockets\[1\] = 17: must be a Spro"):
+    with pytest.raises(rc.InvalidInput, match=r"ChainDrive.sprockets.2 = 17: must be a Spro"):
         replace(DRIVE, sprockets=[DRIVE.sprockets[0], 17])
 
 

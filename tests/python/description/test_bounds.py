@@ -49,7 +49,7 @@ CALLS = {
     **{
         f"center at {distance:g} m": (
             lambda distance=distance: two(distance, links=60),
-            "ChainDrive.sprockets[1].center",
+            "ChainDrive.sprockets.2.center",
         )
         for distance in (1e6, 1e308)
     },
@@ -57,13 +57,13 @@ CALLS = {
     "three centers": (lambda: three(1e6), "must lie within 1270 m of (0.0, 0.0), 100000 pitches"),
     "place of a guide": (
         lambda: replace(DRIVE, guides=[replace(FAR_IDLER, center=(0.0, -5e9))]),
-        "ChainDrive.guides[0].center",
+        "ChainDrive.guides.1.center",
     ),
     "length of a guide": (
         lambda: replace(
             DRIVE, guides=[rc.GuideRail((0.0, -5.0), (0.0, 1.0), 1e9, end_radius=0.01)]
         ),
-        "ChainDrive.guides[0], its largest extent",
+        "ChainDrive.guides.1, its largest extent",
     ),
     "guides": (
         lambda: replace(DRIVE, guides=[FAR_IDLER] * 300_000),

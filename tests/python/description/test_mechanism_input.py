@@ -78,7 +78,7 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
         ),
         (
             lambda m: m.add_driver("motor", "ground", "bar", angle=rc.Sines([1.0, 2.0, 3.0])),
-            r"Sines.terms\[0\]: got 1.0; expected a sequence",
+            r"Sines.terms.1: got 1.0; expected a sequence",
         ),
         (
             lambda m: m.add_driver("motor", "ground", "bar", angle="fast"),
@@ -236,3 +236,12 @@ def test_a_mechanism_has_a_hash_where_it_cannot_be_changed():
     first, second = rc.Scene(m), rc.Scene(rc.Mechanism())
     assert hash(first.system) == hash(second.system)
     assert len({first, second}) == 1
+
+
+def test_a_part_that_no_file_can_hold_is_told_with_its_number_and_name(tmp_path):
+    m = rc.Mechanism()
+    m.add_body("a", 1.0, 1.0)
+    m.add_callable("pull", "a", lambda *_: (0.0, 0.0, 0.0))
+    says = r"scene\.system\.forces\.1 \('pull'\)\.function: is a Python function"
+    with pytest.raises(rc.InvalidInput, match=says):
+        rc.save_scene(rc.Scene(m), tmp_path / "scene.toml")

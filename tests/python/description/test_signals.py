@@ -166,8 +166,8 @@ def eval_of(signal):
     [
         (lambda: rc.Table([]), r"Table\.rows = \(\): needs at least one row"),
         (lambda: rc.Table([(1.0, 0.0), (1.0, 2.0)]), r"Table\.rows = 1 after 1: .*must increase"),
-        (lambda: rc.Table([1.0, 2.0]), r"Table\.rows\[0\]: got 1.0"),
-        (lambda: rc.Table([(0.0, math.nan)]), r"Table\.rows\[0\]\[1\]: got nan"),
+        (lambda: rc.Table([1.0, 2.0]), r"Table\.rows\.1: got 1.0"),
+        (lambda: rc.Table([(0.0, math.nan)]), r"Table\.rows\.1\.2: got nan"),
         (lambda: rc.Table([(0.0, 1.0, 2.0)]), r"Table\.rows = \(0.0, 1.0, 2.0\): each row must be"),
         (lambda: rc.Spline([(0.0, 1.0)]), r"Spline\.rows = 1 row: needs at least two rows"),
         (lambda: rc.Sines([(1.0, 2.0)]), r"Sines\.terms = .*must be rows of three numbers"),
