@@ -114,7 +114,7 @@ def by_rustchain(accuracy, span=SPAN, solver=None):
     begin = time.process_time()
     simulation.step_to(span)
     spent = time.process_time() - begin
-    return simulation.positions[:LINKS, :2], spent, simulation._core.stats()["steps"]
+    return simulation.positions[:LINKS, :2], spent, simulation.stats["steps"]
 
 
 def by_exudyn(steps, span=SPAN):

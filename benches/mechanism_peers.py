@@ -43,7 +43,7 @@ def by_rustchain(bars, tolerance):
     begin = time.process_time()
     simulation.step_to(SPAN)
     spent = time.process_time() - begin
-    return simulation.positions[:, :2], spent, simulation._core.stats()["steps"]
+    return simulation.positions[:, :2], spent, simulation.stats["steps"]
 
 
 def by_exudyn(bars, steps):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from scipy import stats as stats
     from tqdm import auto as auto
 
-_MODULES = {
+MODULES = {
     "matplotlib": ("matplotlib", "plot"),
     "xarray": ("xarray", "io"),
     "h5netcdf": ("h5netcdf", "io"),
@@ -41,10 +41,10 @@ def __getattr__(name: str) -> object:
     MissingExtra
         It is not installed.
     """
-    if name not in _MODULES:
+    if name not in MODULES:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)
-    module, extra = _MODULES[name]
+    module, extra = MODULES[name]
     try:
         return importlib.import_module(module)
     except ModuleNotFoundError as error:

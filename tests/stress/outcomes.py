@@ -90,7 +90,7 @@ def outcome_of(job: Job, limit: float = np.inf) -> Outcome:
                 trial = job.trial()
                 found.features = trial.features
                 result, same = run(trial)
-            _classify(found, result, same, {w.category.__name__ for w in caught})
+            classify(found, result, same, {w.category.__name__ for w in caught})
         except rc.SimulationError as error:
             panicked = PANIC in str(error)
             found.outcome, found.message = ("panic" if panicked else "SimulationError"), str(error)
@@ -155,7 +155,7 @@ def run(trial: Trial) -> tuple[rc.Result, bool]:
     return one, same
 
 
-def _classify(found: Outcome, result: rc.Result, same: bool, warned: set[str]) -> None:
+def classify(found: Outcome, result: rc.Result, same: bool, warned: set[str]) -> None:
     """Set the class of a run that ended with a result."""
     found.steps = int(result.stats["steps"])
     if result.status == "interrupted":

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import rustchain as rc
-from rustchain.description.base import Description
+from rustchain.description.base import Description, class_named
 
 Path = tuple[str | int, ...]
 
@@ -64,7 +64,7 @@ def without(tree: dict[str, Any], path: Path) -> dict[str, Any]:
 
 def defaults(node: Any) -> dict[str, Any]:
     """Return the default values of the fields of a description, by name, as a tree has them."""
-    kind = Description._types.get(node.get("type")) if isinstance(node, dict) else None
+    kind = class_named(node.get("type")) if isinstance(node, dict) else None
     if kind is None:
         return {}
     return {

@@ -26,6 +26,7 @@ __all__ = [
     "Description",
     "Point",
     "Typed",
+    "class_named",
     "described",
     "description",
     "fields_of",
@@ -146,9 +147,14 @@ def described(kind: type[_Class]) -> type[_Class]:
     return kind
 
 
+def class_named(name: object) -> type[Any] | None:
+    """Return the class of a description or of a part by its name; None where there is none."""
+    return Description._types.get(name) if isinstance(name, str) else None
+
+
 def fields_of(value: object) -> dict[str, Any] | None:
     """Return the fields of a description by their names; None of all else."""
-    if Description._types.get(type(value).__name__) is not type(value):
+    if class_named(type(value).__name__) is not type(value):
         return None
     names = (field.name for field in dataclasses.fields(value))  # type: ignore[arg-type]
     return {name: getattr(value, name) for name in names}
@@ -202,9 +208,10 @@ def _revived(fields: dict[str, Any]) -> object:
     name = fields.pop("type", None)
     if name == LostFunction.__name__:
         return LostFunction(**fields)
-    if name not in Description._types:
+    if class_named(name) is None:
         import_module("rustchain.description.scene")  # and with it all descriptions of a scene
-    if name not in Description._types:
+    made = class_named(name)
+    if made is None:
         known = suggest(name, Description._types)
         raise InvalidInput(f"type = {shown(name)}: is no description; expected one; {known}")
-    return Description._types[name](**fields)
+    return made(**fields)

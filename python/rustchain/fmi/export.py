@@ -90,7 +90,7 @@ def export_fmu(
     variables = [*chosen_inputs(scene.drive, inputs), *chosen_outputs(scene.drive, outputs)]
     if not variables:
         raise InvalidInput("inputs, outputs: both are empty; expected at least one variable")
-    library = _library()
+    library = library_path()
     check_writable(target)
     content, token, values = _packed(system, scene, variables)
     model = Model(
@@ -143,7 +143,7 @@ def _platform() -> tuple[str, str]:
     return sys.platform, platform.machine().lower()
 
 
-def _library() -> Path:
+def library_path() -> Path:
     """Return the library of FMUs that belongs to this installation."""
     ending = _ENDINGS.get(sys.platform, ".so")
     library = Path(__file__).with_name(f"rustchain_fmi{ending}")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rustchain.plot.animation import Animation
     from rustchain.results.result import Result
 
-_LARGEST = 14_000_000  # characters of data in a page; of more rows every second one is left out
+LARGEST = 14_000_000  # characters of data in a page; of more rows every second one is left out
 _LENGTH, _ANGLE = 1e-7, 1e-6  # [m], [rad] to which bodies are rounded: less than a pixel shows
 _FORCE = 1e-5  # of a large force
 _WHOLE = 2.0**30  # rounded numbers stay below
@@ -66,12 +66,12 @@ def player_data(animation: Animation) -> dict[str, Any]:
     while True:
         rows = slice(animation.rows.start, animation.rows.stop, step)
         data = _data(animation, rows)
-        if _length(data) <= _LARGEST or data["time"]["rows"] < 3:
+        if length_of(data) <= LARGEST or data["time"]["rows"] < 3:
             return data
         step *= 2
 
 
-def _length(data: dict[str, Any]) -> int:
+def length_of(data: dict[str, Any]) -> int:
     """Return how many characters the blocks take."""
     blocks = [data["time"], data["places"], data["angles"], data["series"]["block"]]
     return sum(len(block["data"]) for block in (*blocks, *(f["block"] for f in data["forces"])))
@@ -88,14 +88,14 @@ def _data(animation: Animation, rows: slice) -> dict[str, Any]:
     return {
         "name": result.scene.name,
         "names": list(result.body_names),
-        "time": _block(result.time[rows][None], 0.0, 2),
-        "places": _block(positions[:, :, :2].reshape(len(positions), -1).T, _LENGTH, 2),
-        "angles": _block(positions[:, :, 2].T, _ANGLE, 2),
+        "time": block_of(result.time[rows][None], 0.0, 2),
+        "places": block_of(positions[:, :, :2].reshape(len(positions), -1).T, _LENGTH, 2),
+        "angles": block_of(positions[:, :, 2].T, _ANGLE, 2),
         "shapes": [
             _shape(one) for kind in LOOKS["light"] for one in shapes.outlines if one.kind == kind
         ],
         "forces": [_forces(result, group, rows, large) for group in shapes.forces],
-        "series": {"names": series_names, "units": units, "block": _block(series, 0.0, 1)},
+        "series": {"names": series_names, "units": units, "block": block_of(series, 0.0, 1)},
         "looks": LOOKS,
         "colors": FORCE_COLORS,
         "slow": float(f"{animation.slowdown:.2g}"),
@@ -137,7 +137,7 @@ def _forces(result: Result, group: Forces, rows: slice, large: float) -> dict[st
         "names": list(names),
         "bodies": group.bodies,
         "points": np.round(group.points, 8).tolist(),
-        "block": _block(vectors.reshape(len(vectors), -1).T, _FORCE * large, 1),
+        "block": block_of(vectors.reshape(len(vectors), -1).T, _FORCE * large, 1),
     }
 
 
@@ -159,7 +159,7 @@ def _series(result: Result, rows: slice) -> tuple[list[str], list[str], Array]:
     return list(found), list(units), np.array(values)
 
 
-def _block(values: Array, step: float, order: int) -> dict[str, Any]:
+def block_of(values: Array, step: float, order: int) -> dict[str, Any]:
     """Return numbers as the player's `decode` takes them.
 
     Values are rounded to whole multiples of `step`, or to a billionth of their range where that is

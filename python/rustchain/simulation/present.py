@@ -65,6 +65,14 @@ class Present(OfScene):
         """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
         return self._core.velocities
 
+    @property
+    def stats(self) -> dict[str, float]:
+        """Counts since the simulation began, and wall times [s]; `Result.stats` has those of a run.
+
+        Among them are "steps", "rejected", "evaluations" and "onsets" of contacts.
+        """
+        return self._core.stats()
+
     def check(self) -> DriveReport | MechanismReport:
         """Return the report of the drive's layout, or of the mechanism's assembly."""
         return self.scene.system.check()

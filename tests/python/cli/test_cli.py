@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import rustchain as rc
+from cores import CoreAround, cores_within
 from rustchain.cli.app import app
 from rustchain.cli.common import Law
 
@@ -139,13 +140,17 @@ def test_a_short_chain_is_drawn_without_a_word_on_its_hinges(tmp_path):
     assert (tmp_path / "orbit.png").exists()
 
 
-def test_ctrl_c_saves_what_there_is(monkeypatch, tmp_path):
-    def interrupted(self):
-        self._core.advance(0.0)
+class Interrupted(CoreAround):
+    """A core that is interrupted after a slice."""
+
+    def advance(self, budget):
+        self.core.advance(0.0)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(rc.Simulation, "_slice", interrupted)
-    done = rustchain("run", "paper", "--out", tmp_path / "run.nc")
+
+def test_ctrl_c_saves_what_there_is(tmp_path):
+    with cores_within(Interrupted):
+        done = rustchain("run", "paper", "--out", tmp_path / "run.nc")
     assert done.exit_code == 130
     assert rc.load_result(tmp_path / "run.nc").status == "interrupted"
 

@@ -108,21 +108,14 @@ def test_a_sweep_file_gives_the_numbers_of_the_same_call_in_python():
     )
 
 
-def test_a_store_is_gone_on_with_and_other_settings_are_other_cases(monkeypatch):
-    ran = []
-    ensemble = rc._rustchain.Ensemble
-
-    def counted(cases, threads):
-        ran.append(len(cases))
-        return ensemble(cases, threads)
-
-    monkeypatch.setattr(rc._rustchain, "Ensemble", counted)
-    for _ in range(2):
-        done = rustchain("sweep", "sweep.toml", "--store", "runs")
+def test_a_store_is_gone_on_with_and_other_settings_are_other_cases():
+    written = []
+    for setting in ([], [], ["--set", "chain.material.restitution=0.5"]):
+        done = rustchain("sweep", "sweep.toml", "--store", "runs", *setting)
         assert done.exit_code == 0, done.output
-    assert ran == [8]
-    rustchain("sweep", "sweep.toml", "--store", "runs", "--set", "chain.material.restitution=0.5")
-    assert ran == [8, 8]
+        written.append({path: path.stat().st_mtime_ns for path in Path("runs").iterdir()})
+    assert written[0] == written[1]
+    assert [len(files) for files in written] == [8, 8, 16]
 
 
 def test_samples_and_a_function_of_a_file(tmp_path):
@@ -245,7 +238,7 @@ def test_an_executor_that_is_none_is_told(executor, said):
 
 
 def test_a_table_of_another_kind_is_refused_before_anything_runs(monkeypatch):
-    monkeypatch.setattr(rc._rustchain, "Ensemble", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr("rustchain.sweeps.sweep.run_here", lambda *_: pytest.fail("it ran"))
     done = rustchain("sweep", "sweep.toml", "--out", "table.xlsx")
     assert "tables are written as .csv or .nc; take table.csv" in done.output
 

@@ -12,7 +12,7 @@ from rustchain.fmi import export
 def library():
     """Skip where the library was not built, as `make test-python` does first."""
     try:
-        return export._library()
+        return export.library_path()
     except rc.MissingExtra as error:
         pytest.skip(str(error))
 

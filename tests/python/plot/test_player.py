@@ -33,7 +33,7 @@ def unpacked(block):
 @pytest.mark.parametrize("largest", [1e-3, 1.0, 1e7])
 def test_numbers_come_out_of_a_block_rounded_to_their_step(order, largest):
     values = largest * np.random.default_rng(5).uniform(-1.0, 1.0, (3, 500))
-    block = player._block(values, 1e-6, order)
+    block = player.block_of(values, 1e-6, order)
     assert np.abs(unpacked(block) - values).max() <= 0.51 * max(1e-6, 2.0 * largest / 2**30)
 
 
@@ -48,7 +48,7 @@ def test_positions_in_a_page_are_those_of_the_result_to_a_tenth_of_a_micrometre(
 
 def test_of_too_many_rows_every_second_one_is_left_out(monkeypatch):
     whole = player.player_data(RESULT.animate())
-    monkeypatch.setattr(player, "_LARGEST", player._length(whole) // 2)
+    monkeypatch.setattr(player, "LARGEST", player.length_of(whole) // 2)
     fewer = player.player_data(RESULT.animate())
     assert whole["time"]["rows"] == 501
     assert fewer["time"]["rows"] in (126, 251)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+from cores import CoreAround, cores_within
 
 GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
 DURATION, REPORT_STEP = 6e-3, 1e-4
@@ -29,14 +30,12 @@ def bare():
     )
 
 
-class BrokenCore:
+class BrokenCore(CoreAround):
     """A core that advances a little, then raises."""
 
     def __init__(self, core, error):
-        self.core, self.error, self.calls = core, error, 0
-
-    def __getattr__(self, name):
-        return getattr(self.core, name)
+        super().__init__(core)
+        self.error, self.calls = error, 0
 
     def advance(self, wall_budget):
         self.calls += 1
@@ -46,9 +45,8 @@ class BrokenCore:
 
 
 def broken(error):
-    simulation = rc.Simulation(rc.paper_drive())
-    simulation._core = BrokenCore(simulation._core, error)
-    return simulation
+    with cores_within(lambda core: BrokenCore(core, error)):
+        return rc.Simulation(rc.paper_drive())
 
 
 def test_rows_are_at_the_report_times(result):

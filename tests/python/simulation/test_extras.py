@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rustchain.extras import _MODULES
+from rustchain.extras import MODULES
 from rustchain.names import DISTRIBUTION
 
 HEAVY = ("matplotlib", "xarray", "h5netcdf", "h5py", "pandas", "scipy", "tqdm", "typer", "dask")
@@ -94,7 +94,7 @@ def project():
 
 def test_the_pip_command_names_the_distribution(project):
     assert project["name"] == DISTRIBUTION
-    assert {extra for _, extra in _MODULES.values()} <= set(project["optional-dependencies"])
+    assert {extra for _, extra in MODULES.values()} <= set(project["optional-dependencies"])
 
 
 def test_the_extra_of_all_has_what_each_extra_has(project):

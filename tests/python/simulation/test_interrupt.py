@@ -10,7 +10,9 @@ import time
 import pytest
 
 import rustchain as rc
+from cores import CoreAround, cores_within
 from rustchain.simulation import simulation as module
+from rustchain.simulation.core import core_of, start_of
 
 # A child that interrupts itself, as Ctrl-C would, once its run is well under way.
 PRELUDE = """
@@ -40,11 +42,12 @@ def interrupt():
     under_way.wait()
     os.kill(os.getpid(), signal.SIGINT)
 
-init = rc.Simulation.__init__
-def watched(self, *args, **keywords):
-    init(self, *args, **keywords)
-    self._core = Watched(self._core)
-rc.Simulation.__init__ = watched
+from rustchain.simulation import simulation as module
+core_of, cores = module.core_of, []
+def watched(*arguments):
+    cores.append(Watched(core_of(*arguments)))
+    return cores[-1]
+module.core_of = watched
 threading.Thread(target=interrupt, daemon=True).start()
 """
 
@@ -67,7 +70,7 @@ def test_an_interrupted_run_keeps_its_rows_and_can_go_on():
 simulation = rc.Simulation(rc.paper_drive(), solver=rc.Solver(accuracy=1e-12))
 result = simulation.run({FAR}, 1e-3, record=("teeth",), progress=False)
 stopped = simulation.time
-calls = simulation._core.calls
+calls = cores[0].calls
 more = simulation.run(1e-3, 1e-4, record=("teeth",), progress=False)
 print(json.dumps(dict(
     status=result.status, message=result.message, success=result.success, stopped=stopped,
@@ -196,14 +199,12 @@ def test_a_handler_of_ones_own_is_heard_during_a_run():
     assert simulation.run(1e-4, progress=False).success
 
 
-class Slices:
+class Slices(CoreAround):
     """A core that notes the wall time it is given."""
 
     def __init__(self, core):
-        self.core, self.budgets = core, []
-
-    def __getattr__(self, name):
-        return getattr(self.core, name)
+        super().__init__(core)
+        self.budgets = []
 
     def advance(self, budget):
         self.budgets.append(budget)
@@ -215,8 +216,9 @@ class Slices:
 
 
 def test_the_keyboard_is_looked_at_well_within_a_fifth_of_a_second():
-    simulation = rc.Simulation(rc.paper_drive())
-    simulation._core = slices = Slices(simulation._core)
+    with cores_within(Slices) as made:
+        simulation = rc.Simulation(rc.paper_drive())
+    (slices,) = made
     simulation.run(2e-3, progress=False)
     simulation.step_to(4e-3)
     assert len(slices.budgets) >= 2
@@ -224,12 +226,17 @@ def test_the_keyboard_is_looked_at_well_within_a_fifth_of_a_second():
     assert 0.0 < module.WALL_BUDGET <= 0.1
 
 
+def core_of_paper_drive():
+    scene = rc.Scene(rc.paper_drive())
+    place, _ = start_of(scene)
+    return core_of(scene, place)
+
+
 @pytest.mark.parametrize("stepping", [False, True])
 def test_without_wall_time_left_a_slice_is_short(stepping):
     """The budget is looked at every few steps: a slice of none at all makes few."""
-    simulation = rc.Simulation(rc.paper_drive())
-    core = simulation._core
-    simulation.step_to(5e-3)
+    core = core_of_paper_drive()
+    assert core.step_to(5e-3, 1e9)
     core.start_recording(FAR, 1e-4, [], False)
     for _ in range(20):
         before = core.stats()["steps"]
@@ -239,8 +246,7 @@ def test_without_wall_time_left_a_slice_is_short(stepping):
 
 
 def test_other_threads_run_during_a_slice():
-    simulation = rc.Simulation(rc.paper_drive())
-    core = simulation._core
+    core = core_of_paper_drive()
     ticks, begin, end = 0, threading.Event(), threading.Event()
 
     def tick():
@@ -263,7 +269,7 @@ def test_other_threads_run_during_a_slice():
 
 def test_reports_closer_than_steps_do_not_hold_a_slice_up():
     """With 100 reports in every step, a slice of no wall time ends after one or two."""
-    core = rc.Simulation(rc.paper_drive())._core
+    core = core_of_paper_drive()
     core.start_recording(4e-3, 1e-8, ["hinges", "teeth"], True)
     for _ in range(39):
         assert not core.advance(0.0)

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import rustchain as rc
-from rustchain.simulation.recording import Recording
+from cores import CoreAround, cores_within
 
 ALL = ("hinges", "teeth", "sprockets", "bodies", "energy")
 REST = 1e-3  # [s]
@@ -100,7 +100,7 @@ def test_a_new_process_goes_on_to_the_same_bits(law, pretension, energy, tmp_pat
     )
     assert child.returncode == 0, child.stderr
     result = simulation.run(REST, 1e-5, record=ALL, energy=energy, progress=False)
-    assert simulation._core.stats()["onsets"] > 0
+    assert simulation.stats["onsets"] > 0
     assert_same_rows(result.arrays, np.load(f"{left}.rows.npz"))
     loaded = rc.Simulation.load_state(left)
     assert_same_state(loaded.state(), simulation.state())
@@ -137,11 +137,11 @@ def test_at_an_onset_and_after_a_parting_the_run_goes_on_alike(change):
     seen = 0
     while simulation.time < 6e-3:
         t = simulation.time + 5e-7
-        before = simulation._core.stats()["onsets"]
+        before = simulation.stats["onsets"]
         simulation.step_to(t)
         state = simulation.state()
         if change == "onsets":
-            happened = simulation._core.stats()["onsets"] > before
+            happened = simulation.stats["onsets"] > before
         else:
             happened = state["parted_hinges"].size or state["parted_tooth_pairs"].size
         if happened:
@@ -164,20 +164,25 @@ def test_a_state_before_the_first_step_is_a_state():
     assert_goes_on_alike(one, other, 5e-3)
 
 
-def test_after_an_interrupted_run_the_state_goes_on_alike(monkeypatch, tmp_path):
-    simulation = rc.Simulation(rc.paper_drive())
-    advance, calls = Recording._advance, []
+class Interrupted(CoreAround):
+    """A core that is interrupted after 800 slices without wall time, of a row or a few steps."""
 
-    def interrupted(self, duration, progress, looks):
-        # Slices without wall time, of a row or a few steps: the machine does not decide the end.
-        calls.extend(self._core.advance(0.0) for _ in range(800))
+    finished = ()
+
+    def advance(self, budget):
+        if self.finished:
+            return self.core.advance(budget)
+        # The machine does not decide the end.
+        self.finished = [self.core.advance(0.0) for _ in range(800)]
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Recording, "_advance", interrupted)
+
+def test_after_an_interrupted_run_the_state_goes_on_alike(tmp_path):
+    with cores_within(Interrupted) as made:
+        simulation = rc.Simulation(rc.paper_drive())
     result = simulation.run(10.0, 1e-5, progress=False)
-    monkeypatch.setattr(Recording, "_advance", advance)
-    assert not any(calls)
-    assert simulation._core.stats()["onsets"] > 0
+    assert not any(made[0].finished)
+    assert simulation.stats["onsets"] > 0
     assert result.status == "interrupted"
     simulation.save_state(tmp_path / "interrupted.npz")
     assert_goes_on_alike(rc.Simulation.load_state(tmp_path / "interrupted.npz"), simulation)
@@ -214,7 +219,7 @@ def test_a_start_of_ones_own_is_in_the_file(tmp_path):
 
 def test_counts_go_on_and_wall_times_begin(under_way, file):
     loaded = rc.Simulation.load_state(file)
-    counts, own = loaded._core.stats(), under_way._core.stats()
+    counts, own = loaded.stats, under_way.stats
     for name in ("steps", "rejected", "evaluations", "onsets", "onsets_at_floor"):
         assert counts[name] == own[name]
     assert min(counts["steps"], counts["rejected"], counts["onsets"]) > 0

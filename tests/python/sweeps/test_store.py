@@ -323,7 +323,7 @@ def peak(result):
 if __name__ == "__main__":
     axes = {"pretension": [0, 25, 50, 75, 100, 125], "duration": [2e-3, 4e-3]}
     found = rc.sweep(rc.paper_drive(), axes, peak, store=sys.argv[1], threads=1, progress=False)
-    print(found.status, len(found._ended), [value and value["peak"] for value in found.values])
+    print(found.status, found.finished, [value and value["peak"] for value in found.values])
 """
 
 

@@ -126,7 +126,7 @@ def test_an_imbalance_in_silence_fails_and_one_with_a_warning_does_not():
     found = Outcome("", "", "finished")
     with pytest.warns(rc.EnergyWarning):
         result, same = outcomes.run(Given(scene, 0.02).trial())
-    outcomes._classify(found, result, same, warned=set())
+    outcomes.classify(found, result, same, warned=set())
     assert found.outcome == "silent imbalance"
 
 
