@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, cast, get_args
@@ -93,6 +94,7 @@ class Scene(Description):
         for name in ("positions", "velocities"):
             rows = rows_of(name, getattr(self, name), self.body_count)
             self._set(name, None if rows is None else plain(rows))
+            self._check_finite(name)
         self._check_start()
         if self.kind == "mechanism":
             self._check_laws_of_mechanism()
@@ -119,13 +121,26 @@ class Scene(Description):
         return self.system.name or ("mechanism" if self.kind == "mechanism" else "chain drive")
 
     @property
-    def body_count(self) -> int:
-        """Number of bodies, in the order of every (bodies, 3) array."""
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the bodies, in the order of every (bodies, 3) array."""
         drive = self.system
         if isinstance(drive, Mechanism):
-            return len(drive.bodies)
+            return tuple(body.name for body in drive.bodies)
         rollers = 0 if drive.chain.roller is None else drive.hinge_count
-        return drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)
+        counts = (
+            ("link", drive.chain.links),
+            ("roller", rollers),
+            ("sprocket", len(drive.sprockets)),
+            ("guide", len(drive.guides)),
+        )
+        numbered = [[f"{part}_{k}" for k in range(1, count + 1)] for part, count in counts]
+        ends = [] if drive.ends is None else ["end_2", "end_1"]
+        return tuple(sum(numbered[1:], numbered[0] + ends))
+
+    @property
+    def body_count(self) -> int:
+        """Number of bodies."""
+        return len(self.body_names)
 
     @property
     def law_of_hinges(self) -> ForceLaw:
@@ -162,6 +177,14 @@ class Scene(Description):
             got = shown(self.min_impact_velocity)
             raise InvalidInput(f"min_impact_velocity = {got}: must be {kind} in m/s")
         self._set("min_impact_velocity", float(speed))
+
+    def _check_finite(self, name: str) -> None:
+        """Refuse numbers of a start that are not finite, by the name of the body."""
+        for row, numbers in zip(self.body_names, getattr(self, name) or (), strict=False):
+            for number in numbers:
+                if not math.isfinite(number):
+                    msg = f"{name} of {row} = {number!r}: must be finite numbers"
+                    raise InvalidInput(msg)
 
     def _check_start(self) -> None:
         """Refuse a start that is not defined, or not for this kind of system."""

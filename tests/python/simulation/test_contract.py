@@ -164,6 +164,22 @@ def test_scenes_are_values(scene):
     assert len({scene, copy.copy(scene), replace(scene, start="static")}) == 2
 
 
+def test_a_scene_has_the_names_of_its_bodies(scene):
+    assert scene.body_names == tuple(rc.Simulation(scene).body_names)
+
+
+def test_a_start_that_is_not_finite_is_refused_by_field_and_body(scene):
+    simulation = rc.Simulation(scene)
+    start = {"positions": simulation.positions, "velocities": simulation.velocities}
+    for field in start:
+        for number in (np.nan, np.inf):
+            wrong = start[field].copy()
+            wrong[1, 2] = number
+            named = f"{field} of {scene.body_names[1]} = {number}: must be finite"
+            with pytest.raises(rc.InvalidInput, match=named):
+                rc.Scene(scene.system, **start | {field: wrong})
+
+
 def test_what_a_scene_simulates_cannot_be_changed(scene, result):
     before = pickle.dumps(scene)
     for system in (scene.system, result.scene.system):
