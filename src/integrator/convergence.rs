@@ -64,13 +64,17 @@ impl NewtonConvergence {
         self.contraction = f64::INFINITY;
     }
 
-    /// Return the remaining correction after one of `size` that follows one of `last`.
+    /// Return the remaining correction after one of `size` that follows one of `last`; the `second` correction gives the contraction
+    /// constant.
     ///
     /// The sum of a geometric series, `Δ θ/(1 - θ)` with the rate θ (Hairer and Wanner, *Solving Ordinary Differential Equations II*,
     /// section IV.8).
-    pub(super) fn measure(&mut self, size: f64, last: f64) -> f64 {
+    pub(super) fn measure(&mut self, size: f64, last: f64, second: bool) -> f64 {
         let rate = size / last;
-        self.contraction = size / (last * last);
+        // Later corrections converge linearly: their ratio to the square of the one before says nothing about the first one.
+        if second {
+            self.contraction = size / (last * last);
+        }
         // Infinite for θ of one and above: no convergence.
         size * rate / (1.0 - rate).max(0.0)
     }
@@ -103,5 +107,18 @@ impl NewtonConvergence {
             self.contraction *= GROWTH;
         }
         self.unmeasured
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_contraction_constant_is_that_of_the_second_correction() {
+        let mut convergence = NewtonConvergence::new();
+        convergence.measure(2.0, 10.0, true);
+        convergence.measure(0.4, 2.0, false);
+        assert!((convergence.contraction - 0.02).abs() < 1e-15);
     }
 }

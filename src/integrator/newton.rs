@@ -157,8 +157,14 @@ impl Adams {
             let choice = choose_order(k, max_order, estimate, raise, one_above);
             (choice.order, choice.error)
         };
-        // Order one has no advantage over the trapezoidal rule, which is A-stable, too.
-        self.next.order = order.max(max_order.min(A_STABLE));
+        // Order one has no advantage over the trapezoidal rule, which is A-stable, too. The step size follows from the error of that order.
+        let lowest = max_order.min(A_STABLE);
+        let (order, error) = if order < lowest {
+            (lowest, estimate.local)
+        } else {
+            (order, error)
+        };
+        self.next.order = order;
         // Low orders follow the error; high orders keep equal steps for their coefficients.
         let size = if order <= A_STABLE {
             let size = low_order_step(h, order, error);
@@ -312,6 +318,27 @@ mod tests {
             other.step_newton(&mut same).unwrap();
             assert_eq!(adams.y(), other.y());
         }
+    }
+
+    #[test]
+    fn order_two_in_place_of_one_takes_the_step_size_of_its_own_error() {
+        let (mut adams, mut system) = started(1e-6, f64::INFINITY);
+        for _ in 0..40 {
+            adams.step_newton(&mut system).unwrap();
+        }
+        // Order one has half of the error, but it is not taken: the step size has to follow from the error of order two.
+        adams.next.steps_until_growth = 0;
+        (adams.history.last_order, adams.history.last_step_size) = (2, adams.next.size);
+        let estimate = ErrorEstimate {
+            local: 1.0,
+            at_order: 1.0,
+            one_below: 0.5,
+            two_below: 0.0,
+        };
+        adams.choose_implicit_order_and_step(&estimate, 0.0);
+        let expected = SAFETY * adams.history.last_step_size;
+        assert_eq!(adams.next.order, 2);
+        assert!((adams.next.size / expected - 1.0).abs() < 1e-12);
     }
 
     #[test]

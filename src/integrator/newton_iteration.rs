@@ -105,7 +105,7 @@ impl Adams {
                 }
                 size
             } else {
-                self.convergence.measure(size, last)
+                self.convergence.measure(size, last, iteration == 1)
             };
             // Converged: the remaining corrections are far below the error test.
             if remaining <= REMAINDER {

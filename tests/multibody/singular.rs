@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::common::mechanisms::{Rows, bar_chain, four_bars, ground, run_to};
-use rustchain::integrator::{Corrector, StepControl};
+use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Joint, JointKind, Marker, Mechanism, MechanismGroups, MechanismModel, Motion,
@@ -75,6 +75,24 @@ fn driven_parallelograms_pass_singular_positions_with_both_correctors() {
             }
         }
     }
+}
+
+#[test]
+fn a_matrix_by_differences_leaves_the_evaluation_at_its_own_state() {
+    let mut machine = simulation(&turning(1, 8.0), 1e-7, Corrector::Newton);
+    // Both posts and the coupler are nearly in a line.
+    run_to(&mut machine, FRAC_PI_2 / 8.0);
+    let (mut dynamics, adams) = (machine.dynamics().clone(), machine.integrator());
+    let (t, y) = (adams.time(), adams.y().to_vec());
+    let mut slope = vec![0.0; y.len()];
+    dynamics.derivative(t, &y, &mut slope);
+    let (accelerations, multipliers) = (
+        dynamics.accelerations().to_vec(),
+        dynamics.multipliers().to_vec(),
+    );
+    assert!(dynamics.factorise(&y, 1e-3));
+    assert_eq!(dynamics.accelerations(), accelerations);
+    assert_eq!(dynamics.multipliers(), multipliers);
 }
 
 #[test]

@@ -41,6 +41,12 @@ impl StepEnds {
         (self.y[component], self.slope[component]) = (0.0, 0.0);
     }
 
+    /// Return the derivative of a component at the start of the step.
+    #[cfg(test)]
+    pub(super) fn slope(&self, component: usize) -> f64 {
+        self.slope[component]
+    }
+
     /// Set the end of the step to the present state of `adams`.
     fn end(&mut self, adams: &Adams) {
         let y = adams.y();
@@ -113,8 +119,9 @@ impl Dynamics {
             self.ends.end(adams);
             self.ends.advance();
         } else {
-            // The integrator has no slope before its first step from a start.
+            // The integrator has no slope before its first step from a start. Powers and slopes may have jumped at an input's kink.
             self.differentiate(adams.time(), adams.y());
+            self.quadrature.begin(adams.time(), self.powers);
             self.ends.begin(adams.y(), &self.slope);
         }
     }

@@ -103,6 +103,8 @@ impl Dynamics {
         adams.restart_with_corrector(row, &y[..2 * coordinates]);
         let longest = self.longest_step_past_teeth().min(self.time_to_kink(row));
         adams.limit_step(longest);
+        // The next step is metered from this motion, and with the slope behind the row.
+        self.resume_energy_quadrature(adams);
     }
 
     /// Set ends with varying acceleration to their prescribed positions and velocities: the errors of the steps would accumulate.
@@ -119,5 +121,95 @@ impl Dynamics {
             adams.set_component(coordinates + x, velocity.x);
             adams.set_component(coordinates + y, velocity.y);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::model::ForceLaws;
+    use crate::chain::motion::Motion;
+    use crate::drive::{
+        Chain, ChainEnd, ClearanceHinge, Drive, HingeKind, Link, Material, Variation,
+    };
+    use crate::geometry::Vec2;
+    use crate::integrator::{OdeSystem, StepControl};
+    use crate::layout::InitialConfiguration;
+    use crate::math::Table;
+    use crate::system::System;
+
+    /// Six links between two anchored ends, one of which has a velocity table of `rows`.
+    fn moved_strand(rows: &[(f64, f64)]) -> Drive {
+        let link = Link {
+            mass: 7e-3,
+            inertia: 1.5e-7,
+        };
+        let x = Table::new("velocity", "m/s", rows).unwrap();
+        let anchor = |position, x: Signal| ChainEnd::Anchor {
+            position,
+            velocity: [x, 0.0.into()],
+            links: None,
+        };
+        Drive {
+            chain: Chain {
+                pitch: 0.0127,
+                links: 6,
+                inner: link,
+                outer: link,
+                hinge: ClearanceHinge {
+                    pin_radius: 2.22e-3,
+                    bore_radius: 2.245e-3,
+                    length: 0.011,
+                },
+                bushing_radius: 3.97e-3,
+                tooth_contact_length: 0.007,
+                material: Material::default(),
+                offset: None,
+                strands: 1,
+                variation: Variation::default(),
+                roller: None,
+                link_stiffness: None,
+                carried: Vec::new(),
+            },
+            sprockets: Vec::new(),
+            tensioner: None,
+            gravity: Vec2::new(0.0, -9.81),
+            guides: Vec::new(),
+            ends: Some([
+                anchor(Vec2::zeros(), x.into()),
+                anchor(Vec2::new(0.06, 0.0), 0.0.into()),
+            ]),
+            hinge_kind: HingeKind::Clearance,
+        }
+    }
+
+    #[test]
+    fn a_step_behind_a_row_is_metered_with_the_acceleration_behind_it() {
+        let row = 1e-3;
+        let drive = moved_strand(&[(0.0, 0.0), (row, 0.0), (2.0 * row, 10.0)]);
+        let laws = ForceLaws::default();
+        let (start, _) = InitialConfiguration::generate(&drive).unwrap();
+        let model = Arc::new(Model::compile(&drive, &laws, &start).unwrap());
+        let mut dynamics = Dynamics::new(model);
+        let mut y = vec![0.0; dynamics.dimension()];
+        let mut motion = Motion::new(dynamics.model.bodies());
+        motion.set(&start.positions, &start.velocities);
+        motion.write(&dynamics.model, &mut y);
+        dynamics.begin_present_contacts(0.0, &y, &start.surfaces);
+        let mut adams = Adams::new(y.len(), StepControl::default());
+        adams.restart(0.0, &y);
+        dynamics.begin_energy_quadrature(&adams);
+        while adams.time() < row {
+            dynamics.begin_step(&mut adams);
+            let longest = dynamics.longest_step(&adams);
+            adams.limit_step(longest);
+            let step = adams.step_second_order(&mut dynamics).unwrap();
+            dynamics.finish_step(&mut adams, &step).unwrap();
+            dynamics.meter_step(&adams, &step);
+        }
+        dynamics.begin_step(&mut adams);
+        let end = dynamics.model.ends.as_ref().unwrap().bodies[0].body;
+        let acceleration = dynamics.ends.slope(dynamics.model.coordinates + end);
+        assert!((acceleration - 10.0 / row).abs() < 1e-6, "{acceleration}");
     }
 }

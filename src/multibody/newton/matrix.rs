@@ -156,6 +156,7 @@ impl MechanismDynamics {
     }
 
     /// Return the factors of the dense matrix by central differences of whole evaluations at `y`, the state of the last evaluation.
+    /// `Counts::evaluations` does not count them.
     fn matrix_by_differences(&mut self, y: &[f64], gamma: f64) -> LU<f64, Dyn, Dyn> {
         let n = self.model.coordinates();
         let mut lengths = vec![1.0; n];
@@ -180,6 +181,8 @@ impl MechanismDynamics {
                 matrix[(k, i)] -= 0.5 * gamma * (up - down) / change;
             }
         }
+        // Onsets, reactions and peaks are read from the last evaluation: that at `y`, not at the last changed state.
+        self.evaluate(t, &state);
         matrix.lu()
     }
 }
