@@ -72,6 +72,15 @@ def chain_drive(
     ------
     InvalidInput
         No chain path round the sprockets exists, or no place of the moved one fits the links.
+
+    Examples
+    --------
+    >>> sprockets = [rc.Sprocket(17, motion=rc.PrescribedSpeed(12.0)), rc.Sprocket(25, (0.4, 0.0))]
+    >>> rc.chain_drive("ANSI 40", sprockets).chain.links  # counted
+    86
+    >>> fitted = rc.chain_drive("ANSI 40", sprockets, links=86, adjust=2)
+    >>> round(fitted.sprockets[1].center[0], 4)  # [m]; moved until the chain is taut
+    0.4124
     """
     listed = items_within("sprockets", sprockets, _MOST_SPROCKETS)
     if listed is None:
@@ -146,6 +155,12 @@ def open_chain(
         Of a chain by name; see `catalogue_chain`.
     plates : {"rigid", "elastic"}
         Of a chain by name; see `catalogue_chain`.
+
+    Examples
+    --------
+    >>> ends = rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(5.0)  # 5 kg hang on ten links
+    >>> rc.open_chain("ANSI 40", ends, links=10).chain.links
+    10
     """
     if isinstance(chain, str):
         chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)

@@ -68,6 +68,12 @@ def paper_drive(
     rollers : {"fixed", "bodies"}
         The published bushing chain, or the same with rollers of a no. 40 chain on smaller bushings:
         outside radius, mass of the chain and all else are the same.
+
+    Examples
+    --------
+    >>> drive = rc.paper_drive(pretension=25.0)
+    >>> drive.chain.links, [sprocket.teeth for sprocket in drive.sprockets]
+    (38, [17, 17])
     """
     teeth = 17
 
@@ -138,6 +144,14 @@ def two_sprocket_drive(
         Of a chain by name; see `catalogue_chain`.
     plates : {"rigid", "elastic"}
         Of a chain by name; see `catalogue_chain`.
+
+    Examples
+    --------
+    >>> drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, speed=rc.rpm(120), torque=-2.0)
+    >>> drive.chain.links
+    60
+    >>> round(drive.sprockets[1].center[0], 4)  # [m]; the strands are straight
+    0.2471
     """
     if links is None and isinstance(chain, Chain):
         links = chain.links
@@ -183,7 +197,13 @@ def two_sprocket_drive(
 
 
 def chain_sizes() -> dict[str, ChainSize]:
-    """Return the standard chains by name: ANSI/ASME B29.1 and ISO 606; print one to read it."""
+    """Return the standard chains by name: ANSI/ASME B29.1 and ISO 606; print one to read it.
+
+    Examples
+    --------
+    >>> round(rc.chain_sizes()["ANSI 40"].strength)  # [N]
+    13901
+    """
     return dict(SIZES)
 
 
@@ -217,6 +237,14 @@ def catalogue_chain(
         bodies.
     plates : {"rigid", "elastic"}
         "elastic": links stretch as their plates do, whose cross-sections are derived.
+
+    Examples
+    --------
+    >>> chain = rc.catalogue_chain("ISO 08B", 80)
+    >>> chain.pitch, chain.links
+    (0.0127, 80)
+    >>> rc.catalogue_chain("08B-2", 80).strands
+    2
     """
     size, named = _size(name)
     if strands is not None and named not in (None, strands):

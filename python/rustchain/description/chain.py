@@ -38,6 +38,11 @@ class ClearanceHinge(Description):
         Radii of pin and bore [m]; their difference is the radial clearance.
     length : float
         Length of contact along the pin [m].
+
+    Examples
+    --------
+    >>> round(1e6 * rc.ClearanceHinge(2.22e-3, 2.245e-3, 0.011).clearance)  # [um]
+    25
     """
 
     pin_radius: float
@@ -66,6 +71,12 @@ class Roller(Description):
         Mass [kg].
     inertia : float
         Moment of inertia about its axis [kg m^2].
+
+    Examples
+    --------
+    >>> rolling = rc.catalogue_chain("ANSI 40", 60, rollers="bodies")
+    >>> round(1e3 * rolling.roller.radius, 3)  # [mm]
+    3.969
     """
 
     radius: float
@@ -89,6 +100,12 @@ class Plates(Description):
         Cross-section of both plates of an inner and of an outer link, of one strand [m^2].
     elastic_modulus : float, optional
         Young's modulus [Pa]; by default that of the chain's material.
+
+    Examples
+    --------
+    >>> elastic = rc.catalogue_chain("ANSI 40", 60, plates="elastic")
+    >>> round(1e-6 * elastic.axial_stiffness)  # [N/um]
+    555
     """
 
     inner_section: float
@@ -141,6 +158,12 @@ class Chain(Description):
     carried : sequence of (link, mass)
         What links carry in their middle, by their numbers from 1 [kg]: slats, buckets, goods; all
         strands together.
+
+    Examples
+    --------
+    >>> chain = rc.catalogue_chain("ANSI 40", 60)
+    >>> round(1e3 * chain.contact_radius, 3)  # [mm]
+    3.969
     """
 
     pitch: float

@@ -94,6 +94,12 @@ class ChainDrive(Description, HtmlView):
         `AnchoredEnd`, a `LoadedEnd` or a `FreeEnd`; by default the chain is closed. The first link
         is an inner one. An open chain may run over no sprocket at all, and `side` then
         gives the sprockets on the same side of it.
+
+    Examples
+    --------
+    >>> drive = rc.paper_drive(25.0)
+    >>> print(str(drive.check()).splitlines()[0])
+    chain                     38 links of 12.7000 mm
     """
 
     chain: Chain

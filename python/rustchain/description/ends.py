@@ -22,6 +22,11 @@ class AnchoredEnd(Description):
     links : int, optional
         Links between it and the first sprocket; by default as few as reach, unless the number of
         the other end is given.
+
+    Examples
+    --------
+    >>> rc.AnchoredEnd((0.0, 0.0), velocity=(0.0, 0.1))  # drawn upward
+    AnchoredEnd(position=(0.0, 0.0), velocity=(0.0, 0.1))
     """
 
     position: Point
@@ -46,6 +51,11 @@ class LoadedEnd(Description):
         other end where there is no sprocket.
     links : int, optional
         Links between it and the first sprocket; by default what is left.
+
+    Examples
+    --------
+    >>> rc.LoadedEnd(250.0)  # [kg]
+    LoadedEnd(mass=250.0)
     """
 
     mass: float
@@ -66,6 +76,11 @@ class FreeEnd(Description):
         other end where there is no sprocket.
     links : int, optional
         Links between it and the first sprocket; by default what is left.
+
+    Examples
+    --------
+    >>> rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()), links=10).ends[1]
+    FreeEnd()
     """
 
     position: Point | None = None

@@ -80,6 +80,11 @@ class GuideRail(Description):
     plate_height : float, optional
         Height of the link plates [m], where their round ends about the hinges are in contact with
         it; by default the bushings are.
+
+    Examples
+    --------
+    >>> rc.GuideRail(center=(0.1, 0.06), direction=(1.0, 0.0), length=0.1)
+    GuideRail(center=(0.1, 0.06), direction=(1.0, 0.0), length=0.1)
     """
 
     center: _Point
@@ -118,6 +123,11 @@ class SmoothIdler(Description):
     plate_height : float, optional
         Height of the link plates [m], where their round ends about the hinges are in contact with
         it; by default the bushings are.
+
+    Examples
+    --------
+    >>> rc.SmoothIdler(radius=0.02, center=(0.1, 0.08))
+    SmoothIdler(radius=0.02, center=(0.1, 0.08))
     """
 
     radius: float

@@ -17,6 +17,12 @@ class Material(Description):
         Poisson's ratio.
     restitution : float
         Coefficient of restitution of an impact.
+
+    Examples
+    --------
+    >>> steel = rc.Material(elastic_modulus=206e9, restitution=0.8)
+    >>> steel.restitution
+    0.8
     """
 
     elastic_modulus: float = 2.07e11

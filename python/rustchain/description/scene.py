@@ -62,6 +62,12 @@ class Scene(Description):
     ------
     InvalidInput
         A value is out of its range, or is not for this kind of system.
+
+    Examples
+    --------
+    >>> scene = rc.Scene(rc.paper_drive(25.0), force_law=rc.Johnson(), start="static")
+    >>> scene.kind
+    'clearance'
     """
 
     system: ChainDrive | Mechanism

@@ -30,6 +30,11 @@ class SmoothStep(_Signal):
         When it changes [s].
     before, after : float
         Values.
+
+    Examples
+    --------
+    >>> rc.AppliedTorque(rc.SmoothStep(0.1, 0.2, before=0.0, after=-5.0))
+    AppliedTorque(torque=SmoothStep(start=0.1, end=0.2, before=0.0, after=-5.0))
     """
 
     start: float
@@ -49,6 +54,11 @@ class Table(_Signal):
     ----------
     rows : sequence of (time, value)
         At least one; times increase.
+
+    Examples
+    --------
+    >>> rc.PrescribedSpeed(rc.Table([(0.0, 0.0), (0.5, 12.0)]))  # constant from 0.5 s on
+    PrescribedSpeed(speed=Table(rows=((0.0, 0.0), (0.5, 12.0))))
     """
 
     rows: Rows
@@ -65,6 +75,11 @@ class Spline(_Signal):
     ----------
     rows : sequence of (time, value)
         At least two; times increase.
+
+    Examples
+    --------
+    >>> rc.Spline([(0.0, 0.0), (0.2, 8.0), (0.5, 12.0)])
+    Spline(rows=((0.0, 0.0), (0.2, 8.0), (0.5, 12.0)))
     """
 
     rows: Rows
@@ -80,6 +95,11 @@ class Sines(_Signal):
         The sines [rad/s], [rad].
     offset : float
         Mean value.
+
+    Examples
+    --------
+    >>> rc.PrescribedSpeed(rc.Sines([(0.3, 25.0, 0.0)], offset=12.5))  # a motor with a ripple
+    PrescribedSpeed(speed=Sines(terms=((0.3, 25.0, 0.0),), offset=12.5))
     """
 
     terms: Rows

@@ -35,6 +35,13 @@ class Solver(Description):
         the rotation that moves a point at half the pitch by `accuracy` (a sprocket's, at its pitch
         radius). For comparison: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at
         1e-3 to 1 m/s. Every tenth of it divides the energy residual by about three with "newton".
+
+    Examples
+    --------
+    >>> rc.Solver(method="newton", accuracy=1e-9)
+    Solver(method='newton', accuracy=1e-09)
+    >>> rc.Solver(rtol=1e-7, atol=1e-9)
+    Solver(rtol=1e-07, atol=1e-09)
     """
 
     method: Method = "auto"

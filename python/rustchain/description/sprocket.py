@@ -39,6 +39,13 @@ class PrescribedSpeed(Description):
     ----------
     speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep
         Speed [rad/s] over time [s], counterclockwise positive. The angle is its exact integral.
+
+    Examples
+    --------
+    >>> rc.PrescribedSpeed(12.566)  # constant
+    PrescribedSpeed(speed=12.566)
+    >>> rc.PrescribedSpeed([(0.0, 0.0), (0.5, 12.566)])  # from rest in half a second
+    PrescribedSpeed(speed=((0.0, 0.0), (0.5, 12.566)))
     """
 
     speed: Signal
@@ -60,6 +67,13 @@ class AppliedTorque(Description):
     curve : rows of (speed, torque) or Table, optional
         Torque that the sprocket's own speed [rad/s] adds: a motor's or a load's curve, linear
         between the rows and constant outside them.
+
+    Examples
+    --------
+    >>> rc.AppliedTorque(-2.0)
+    AppliedTorque(torque=-2.0)
+    >>> rc.AppliedTorque(0.0, curve=[(0.0, 0.0), (10.0, -3.0)])  # falls with the speed
+    AppliedTorque(curve=((0.0, 0.0), (10.0, -3.0)))
     """
 
     torque: Signal = 0.0
@@ -74,7 +88,13 @@ class AppliedTorque(Description):
 
 @description(frozen=True)
 class Free(Description):
-    """A sprocket that only the chain turns."""
+    """A sprocket that only the chain turns.
+
+    Examples
+    --------
+    >>> rc.Sprocket(25, (0.25, 0.0)).motion
+    Free()
+    """
 
 
 @description(frozen=True)
@@ -111,6 +131,13 @@ class Sprocket(Description):
     damaged_teeth : sequence of (int, float)
         Teeth that are not whole, and the share of their height above the bottom of the gap that is
         left; 0: gone. Tooth k, from 0, lies between gaps k and k + 1.
+
+    Examples
+    --------
+    >>> motor = rc.Sprocket(17, motion=rc.PrescribedSpeed(rc.rpm(120)))
+    >>> load = rc.Sprocket(25, (0.25, 0.0), rc.AppliedTorque(-2.0), load_inertia=0.01)
+    >>> load.teeth / motor.teeth
+    1.4705882352941178
     """
 
     teeth: int

@@ -27,6 +27,11 @@ class AnsiTooth(Description):
         end at the outside diameter in an edge.
     edge_radius : float, optional
         Radius of that edge [m]; by default 0.025 of the roller diameter.
+
+    Examples
+    --------
+    >>> rc.Sprocket(17, profile=rc.AnsiTooth(seat="pitch-circle")).profile
+    AnsiTooth(seat='pitch-circle')
     """
 
     seat: Seat = "bottom-diameter"
@@ -52,6 +57,11 @@ class IsoTooth(Description):
         [m]; by default the middle of the standard's range, or its least where that is pointed.
     edge_radius : float, optional
         Radius of the edge at the tip [m]; by default 0.025 of the roller diameter.
+
+    Examples
+    --------
+    >>> rc.IsoTooth(gap="maximum")
+    IsoTooth(gap='maximum')
     """
 
     gap: float | Literal["minimum", "maximum"] = "minimum"
@@ -79,6 +89,11 @@ class StraightTooth(Description):
         [m]; by default as of an `IsoTooth`.
     edge_radius : float, optional
         Radius of the edge at the tip [m]; by default 0.025 of the roller diameter.
+
+    Examples
+    --------
+    >>> rc.StraightTooth(flank_angle=0.3)
+    StraightTooth(flank_angle=0.3)
     """
 
     flank_angle: float

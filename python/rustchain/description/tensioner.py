@@ -39,6 +39,12 @@ class Tensioner(Description):
         Distance of the teeth of a ratchet along the guide path [m], counted from the described
         position. The centre can move along the force and is held, with 1e7 N/m, behind the last
         tooth that it has passed. 0: it is held at any position. By default there is none.
+
+    Examples
+    --------
+    >>> spring = rc.Tensioner(80.0, sprocket=2, stiffness=2000.0, direction=(0.0, -1.0))
+    >>> spring.travel is None  # no stops
+    True
     """
 
     pretension: float

@@ -137,6 +137,12 @@ def load_scene(path: str | Path) -> Scene:
     InvalidInput
         The file is not TOML or JSON, has an unknown key or lacks one, or a value is refused. The
         message has the file, the line, the key, the value and the permitted values.
+
+    Examples
+    --------
+    >>> rc.save_scene(rc.Scene(rc.paper_drive()), "drive.toml")
+    >>> rc.load_scene("drive.toml").kind
+    'clearance'
     """
     return SceneFile.read(path).scene
 
@@ -159,6 +165,12 @@ def save_scene(scene: Scene, path: str | Path) -> None:
         function: the message names it.
     OSError
         The file cannot be written.
+
+    Examples
+    --------
+    >>> rc.save_scene(rc.Scene(rc.paper_drive(25.0)), "drive.toml")
+    >>> rc.load_scene("drive.toml").drive == rc.paper_drive(25.0)
+    True
     """
     where = path_of(path)
     form = where.suffix.lower()

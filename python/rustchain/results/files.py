@@ -44,6 +44,13 @@ def load_result(path: str | Path) -> Result:
     InvalidInput
         The file holds no result, has the format of another version, or its content does not
         match its checksum.
+
+    Examples
+    --------
+    >>> result = rc.Simulation(rc.paper_drive()).run(duration=1e-3, progress=False)
+    >>> result.save("run.nc")
+    >>> rc.load_result("run.nc") == result
+    True
     """
     if is_streamed(path):
         return _streamed(Path(path))

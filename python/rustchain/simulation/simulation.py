@@ -72,6 +72,13 @@ class Simulation(Present):
         A contact has left the range of its law.
     UserWarning
         An input of a mechanism is implausible; see `Mechanism.check`.
+
+    Examples
+    --------
+    >>> simulation = rc.Simulation(rc.paper_drive(25.0), force_law=rc.Hertz())
+    >>> result = simulation.run(duration=1e-3, progress=False)
+    >>> len(result.time), result.status
+    (11, 'finished')
     """
 
     rest: dict[str, float] | None = None

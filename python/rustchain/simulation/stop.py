@@ -138,6 +138,12 @@ class ToothForceAbove(_ContactForceAbove):
         The limit [N].
     bushing : int, optional
         Number of the bushing, from 1; by default any.
+
+    Examples
+    --------
+    >>> simulation = rc.Simulation(rc.paper_drive(25.0))
+    >>> simulation.run(1e-2, stop=[rc.ToothForceAbove(1.0)], progress=False).status
+    'stopped'
     """
 
     group: ClassVar[str | None] = "teeth"

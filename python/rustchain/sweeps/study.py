@@ -189,6 +189,19 @@ def study(
     ------
     InvalidInput
         A number is out of its range, or a parameter is not known.
+
+    Examples
+    --------
+    >>> found = rc.study(
+    ...     rc.paper_drive(25.0),
+    ...     lambda result: {"peak": result.peaks.tooth_force.max()},
+    ...     runs=2,
+    ...     duration=2e-3,
+    ...     burn_in=1e-3,
+    ...     progress=False,
+    ... )
+    >>> type(found).__name__
+    'StudyResult'
     """
     axes = {} if axes is None else axes
     runs = count_within("runs", runs, 2, MOST_CASES)  # one has no spread

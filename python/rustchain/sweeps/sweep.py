@@ -139,6 +139,18 @@ def sweep(
         The energy balance does not close: in how many cases, and the first.
     ToothJumpWarning
         The chain has jumped teeth: in how many cases, and the first.
+
+    Examples
+    --------
+    >>> found = rc.sweep(
+    ...     rc.paper_drive(),
+    ...     {"pretension": [25, 50]},
+    ...     lambda result: {"rows": len(result.time)},
+    ...     duration=1e-3,
+    ...     progress=False,
+    ... )
+    >>> [value["rows"] for value in found.values]
+    [11, 11]
     """
     run: Parameters = {
         "duration": plain(duration),

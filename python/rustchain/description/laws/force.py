@@ -120,14 +120,28 @@ class ForceLaw(Description):
 
 @description(frozen=True)
 class Hertz(ForceLaw):
-    """Hertz's contact of spheres, undamped unless asked: (4/3) E* sqrt(Ri Rj / dR) delta^1.5."""
+    """Hertz's contact of spheres, undamped unless asked: (4/3) E* sqrt(Ri Rj / dR) delta^1.5.
+
+    Examples
+    --------
+    >>> law = rc.Hertz()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    67.7
+    """
 
     elastic = "hertz"
 
 
 @description(frozen=True)
 class LankaraniNikravesh(ForceLaw):
-    """Hertz's contact of spheres with the damping of Lankarani and Nikravesh (1990)."""
+    """Hertz's contact of spheres with the damping of Lankarani and Nikravesh (1990).
+
+    Examples
+    --------
+    >>> law = rc.LankaraniNikravesh()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    67.7
+    """
 
     elastic = "hertz"
 
@@ -136,7 +150,14 @@ class LankaraniNikravesh(ForceLaw):
 
 @description(frozen=True)
 class Johnson(ForceLaw):
-    """Johnson's contact of cylinders (1985), implicit in the force; undamped unless asked."""
+    """Johnson's contact of cylinders (1985), implicit in the force; undamped unless asked.
+
+    Examples
+    --------
+    >>> law = rc.Johnson()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    746.3
+    """
 
     elastic = "johnson"
 
@@ -150,6 +171,12 @@ class EnhancedCylinder(ForceLaw):
     coefficients : {"2010", "2015"}
         Of internal contact as published at ECCM 2010, or in Multibody System Dynamics 35 (2015);
         those of external contact are the same.
+
+    Examples
+    --------
+    >>> law = rc.EnhancedCylinder()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    872.6
     """
 
     elastic = "enhanced-cylinder"
@@ -160,21 +187,42 @@ class EnhancedCylinder(ForceLaw):
 
 @description(frozen=True)
 class HertzCylinder(ForceLaw):
-    """Hertz's cylinders as two half-planes, implicit in the force; undamped unless asked."""
+    """Hertz's cylinders as two half-planes, implicit in the force; undamped unless asked.
+
+    Examples
+    --------
+    >>> law = rc.HertzCylinder()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    447.5
+    """
 
     elastic = "hertz-cylinder"
 
 
 @description(frozen=True)
 class Radzimovsky(ForceLaw):
-    """Radzimovsky's contact of cylinders (1953), implicit in the force; undamped unless asked."""
+    """Radzimovsky's contact of cylinders (1953), implicit in the force; undamped unless asked.
+
+    Examples
+    --------
+    >>> law = rc.Radzimovsky()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    610.8
+    """
 
     elastic = "radzimovsky"
 
 
 @description(frozen=True)
 class Esdu78035(ForceLaw):
-    """Contact of cylinders after ESDU 78035, implicit in the force; undamped unless asked."""
+    """Contact of cylinders after ESDU 78035, implicit in the force; undamped unless asked.
+
+    Examples
+    --------
+    >>> law = rc.Esdu78035()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    514.6
+    """
 
     elastic = "esdu-78035"
 
@@ -184,6 +232,12 @@ class LiuConformal(ForceLaw):
     """Liu, Zhang and Yang's pin in a close bore (2007), undamped unless asked.
 
     Between convex surfaces, as on a tooth's flat and tip, it is a formality and warns.
+
+    Examples
+    --------
+    >>> law = rc.LiuConformal()
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    272.5
     """
 
     elastic = "liu-conformal"
@@ -200,6 +254,12 @@ class Linear(ForceLaw):
     ----------
     stiffness : float
         [N/m].
+
+    Examples
+    --------
+    >>> law = rc.Linear(stiffness=1e8)
+    >>> round(float(law.elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)  # [N], at 1 um
+    100.0
     """
 
     elastic = "linear"

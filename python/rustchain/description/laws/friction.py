@@ -25,6 +25,11 @@ class Coulomb(Description):
         Slip speed at which friction is (nearly) full [m/s].
     dead_speed : float
         Slip speed up to which there is none [m/s]; of "ambrosio" alone.
+
+    Examples
+    --------
+    >>> rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)).friction
+    Coulomb(coefficient=0.1)
     """
 
     coefficient: float
@@ -66,6 +71,11 @@ class LuGre(Description):
         Slip speed about which the coefficient falls [m/s].
     stribeck_exponent : float
         How steeply, 0.1 to 10: 2 in the law's first form, 0.5 to 1 for other materials.
+
+    Examples
+    --------
+    >>> rc.Hertz(friction=rc.LuGre(0.12, 0.1)).friction
+    LuGre(static_coefficient=0.12, kinetic_coefficient=0.1)
     """
 
     static_coefficient: float

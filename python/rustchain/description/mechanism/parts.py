@@ -37,6 +37,11 @@ class LinearContact(Typed):
         Friction of the surfaces.
     film : LubricantFilm, optional
         Lubricant, in clearance joints; without a length of its own it has the length of contact.
+
+    Examples
+    --------
+    >>> rc.LinearContact(stiffness=1e8)
+    LinearContact(stiffness=100000000.0)
     """
 
     stiffness: float
@@ -62,6 +67,11 @@ class HuntCrossley(Typed):
         Friction of the surfaces.
     film : LubricantFilm, optional
         Lubricant, in clearance joints; it needs a length.
+
+    Examples
+    --------
+    >>> rc.HuntCrossley(stiffness=1e9, damping=0.3)
+    HuntCrossley(stiffness=1000000000.0, damping=0.3)
     """
 
     stiffness: float
@@ -87,6 +97,11 @@ class SurfaceContact(Typed):
         damping.
     min_impact_velocity : float
         Lower bound on the initial impact velocity used by the damping factor [m/s].
+
+    Examples
+    --------
+    >>> rc.SurfaceContact(rc.Hertz(), length=0.02)
+    SurfaceContact(law=Hertz(), length=0.02)
     """
 
     law: ForceLaw = _LAW
