@@ -200,6 +200,30 @@ pub(crate) mod check {
             format!("must be between {low} and {high}"),
         ))
     }
+
+    /// Check that there is a row for each of `bodies` bodies.
+    pub(crate) fn rows(field: &str, rows: &[[f64; 3]], bodies: usize) -> Result<()> {
+        if rows.len() == bodies {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            field,
+            format!("{} rows", rows.len()),
+            format!("needs one row (3 numbers) for each of the {bodies} bodies"),
+        ))
+    }
+
+    /// Check that there is a row of finite numbers for each of the bodies, which have these names.
+    pub(crate) fn finite_rows(field: &str, rows: &[[f64; 3]], names: &[String]) -> Result<()> {
+        self::rows(field, rows, names.len())?;
+        for (name, row) in names.iter().zip(rows) {
+            if let Some(bad) = row.iter().find(|value| !value.is_finite()) {
+                let field = format!("{field} of {name}");
+                return Err(Error::invalid(field, bad, "must be finite numbers"));
+            }
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

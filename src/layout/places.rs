@@ -2,7 +2,7 @@
 
 use super::InitialConfiguration;
 use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::geometry::path::guide_path;
 use crate::math::Signal;
@@ -16,13 +16,7 @@ const OFF_ITS_ANGLE: f64 = 1e-6;
 /// Refuses a start that moves what is held: the centre of a sprocket on a fixed bearing or beside its tensioner's way, a guide, an anchor
 /// that stands still.
 pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Result<()> {
-    if start.positions.len() != drive.bodies() {
-        return Err(Error::invalid(
-            "positions",
-            format!("{} rows", start.positions.len()),
-            format!("needs one row for each of the {} bodies", drive.bodies()),
-        ));
-    }
+    check::rows("positions", &start.positions, drive.bodies())?;
     let at = |body: usize| {
         let [x, y, angle] = start.positions[body];
         (Vec2::new(x, y), angle)

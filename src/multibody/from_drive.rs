@@ -18,7 +18,7 @@ use super::{
     Mechanism, Motion, Profile, Tribology,
 };
 use crate::drive::{Bearing, Drive, HingeKind, SprocketMotion, bushing_on_front};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::force_law::ForceLaw;
 use crate::geometry::Vec2;
 use crate::layout::{InitialConfiguration, check_places};
@@ -70,16 +70,7 @@ impl Mechanism {
         let chain = &drive.chain;
         let links = chain.links as usize;
         let rows = start.positions.iter().zip(&start.velocities);
-        if start.velocities.len() != start.positions.len() {
-            return Err(Error::invalid(
-                "velocities",
-                format!("{} rows", start.velocities.len()),
-                format!(
-                    "needs one row for each of the {} bodies",
-                    start.positions.len()
-                ),
-            ));
-        }
+        check::rows("velocities", &start.velocities, start.positions.len())?;
         for (i, (&position, &velocity)) in rows.enumerate() {
             let (name, mass, inertia) = if i < links {
                 let link = chain.link(i);

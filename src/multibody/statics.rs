@@ -8,7 +8,7 @@ use super::dynamics::MechanismDynamics;
 use super::forces::loads::Loads;
 use super::model::MechanismModel;
 use super::step::ITERATIONS;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::math::Signal;
 
 impl MechanismModel {
@@ -54,13 +54,7 @@ impl MechanismModel {
     ) -> Result<Self> {
         let bodies = self.bodies.len() - 1;
         for (field, rows) in [("positions", positions), ("velocities", velocities)] {
-            if rows.len() != bodies {
-                return Err(Error::invalid(
-                    field,
-                    format!("{} rows", rows.len()),
-                    format!("needs one row (3 numbers) for each of the {bodies} bodies"),
-                ));
-            }
+            check::rows(field, rows, bodies)?;
         }
         let rows = positions.iter().zip(velocities);
         for (body, (position, velocity)) in self.bodies[1..].iter_mut().zip(rows) {

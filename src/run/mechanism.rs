@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::recorder::row_of;
 use super::simulation::Simulation;
 use crate::drive::InputQuantity;
-use crate::error::{Error, Result};
+use crate::error::{Result, check};
 use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
-use crate::multibody::{Assembly, Body, MechanismDynamics, MechanismGroups, MechanismModel};
+use crate::multibody::{Assembly, MechanismDynamics, MechanismGroups, MechanismModel};
 use crate::system::Recording;
 
 /// Simulation of a mechanism.
@@ -149,8 +149,9 @@ impl Simulation<MechanismDynamics> {
         velocities: Option<&[[f64; 3]]>,
         time: Option<f64>,
     ) -> Result<Recording> {
+        let names = self.model().body_names();
         for (field, rows) in [("positions", positions), ("velocities", velocities)] {
-            check_rows(&self.model().bodies()[1..], field, rows)?;
+            rows.map_or(Ok(()), |rows| check::finite_rows(field, rows, &names))?;
         }
         self.system.evaluate_inside(&self.adams, self.now);
         let mut dynamics = self.system.clone();
@@ -158,26 +159,4 @@ impl Simulation<MechanismDynamics> {
         dynamics.evaluate_with((&self.adams, self.now), positions, velocities, time);
         Ok(row_of(&mut dynamics, time, MechanismGroups::ALL))
     }
-}
-
-/// Check that there is one row of finite numbers for each body.
-fn check_rows(bodies: &[Body], field: &str, rows: Option<&[[f64; 3]]>) -> Result<()> {
-    let Some(rows) = rows else { return Ok(()) };
-    if rows.len() != bodies.len() {
-        return Err(Error::invalid(
-            field,
-            format!("{} rows", rows.len()),
-            format!(
-                "needs one row (3 numbers) for each of the {} bodies",
-                bodies.len()
-            ),
-        ));
-    }
-    for (body, row) in bodies.iter().zip(rows) {
-        if let Some(bad) = row.iter().find(|value| !value.is_finite()) {
-            let field = format!("{field} of {}", body.name);
-            return Err(Error::invalid(field, bad, "must be finite numbers"));
-        }
-    }
-    Ok(())
 }

@@ -3,7 +3,7 @@
 use super::Dynamics;
 use crate::chain::model::{Model, Rotation, Support};
 use crate::drive::MOST_CHAIN_SPEED;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::layout::InitialConfiguration;
 
@@ -12,25 +12,7 @@ use crate::layout::InitialConfiguration;
 /// # Errors
 /// When the number of rows is wrong or a number is not finite; the message names the body and the number.
 pub(crate) fn check_rows(model: &Model, field: &str, rows: &[[f64; 3]]) -> Result<()> {
-    let bodies = model.bodies();
-    if rows.len() != bodies {
-        return Err(Error::invalid(
-            field,
-            format!("{} rows", rows.len()),
-            format!("needs one row (3 numbers) for each of the {bodies} bodies"),
-        ));
-    }
-    for (body, row) in rows.iter().enumerate() {
-        if let Some(bad) = row.iter().find(|v| !v.is_finite()) {
-            let name = &model.body_names()[body];
-            return Err(Error::invalid(
-                format!("{field} of {name}"),
-                bad,
-                "must be finite numbers",
-            ));
-        }
-    }
-    Ok(())
+    check::finite_rows(field, rows, &model.body_names())
 }
 
 impl Dynamics {

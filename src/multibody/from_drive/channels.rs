@@ -5,7 +5,7 @@ use super::{curve_name, motor_name, sprocket_name};
 use crate::drive::{
     Drive, InputBounds, InputQuantity, Tensioner, bushing_on_front, sprocket_of, tensioner_force,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::geometry::path::belt::{Pulley, Side};
 use crate::geometry::{Vec2, unit};
 use crate::layout::{ChainRow, strands};
@@ -154,13 +154,7 @@ impl DriveView {
     ) -> Result<[Vec<[f64; 3]>; 2]> {
         let bodies = self.bodies();
         for (name, rows) in [("positions", &positions), ("velocities", &velocities)] {
-            if rows.len() != bodies {
-                return Err(Error::invalid(
-                    name,
-                    format!("{} rows", rows.len()),
-                    format!("needs one row (3 numbers) for each of the {bodies} bodies"),
-                ));
-            }
+            check::rows(name, rows, bodies)?;
         }
         if let Some((arm, row)) = &self.arm {
             let ([x, y, _], [vx, vy, _]) = (positions[*row], velocities[*row]);
