@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+import tomllib
 
 ROOT = Path(__file__).parents[3]
 PAGES = sorted(
@@ -97,3 +98,18 @@ def test_every_rust_file_of_a_page_exists(page):
     assert [
         path for path in named if not any((ROOT / top / path).exists() for top in ("", "src"))
     ] == []
+
+
+def test_the_order_of_the_packages_is_that_of_the_import_contract():
+    page = (ROOT / "docs" / "development" / "architecture.md").read_text(encoding="utf-8")
+    shown = re.search(r"^    typing, .*(?:\n    .*)*", page, re.MULTILINE)[0]
+    order = [set(re.findall(r"[a-z]+", layer)) for layer in shown.split("->")]
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    (contract,) = settings["tool"]["importlinter"]["contracts"]
+    layers = [layer.replace("rustchain.", "").split(" | ") for layer in contract["layers"]]
+    assert order == [set(layer) for layer in reversed(layers)]
+    package = ROOT / "python" / "rustchain"
+    there = {path.stem for path in package.iterdir() if path.is_dir() or path.suffix == ".py"}
+    assert {name for name in there if name.strip("_") == name} == set().union(*order)
+    for edge in contract["ignore_imports"]:
+        assert f"`{edge.split(' -> ')[0].removeprefix('rustchain.')}`" in page
