@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from rustchain import _rustchain
+from rustchain.analysis.window import rows_between
 from rustchain.arguments import admitted, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
@@ -33,7 +34,7 @@ class ContactFigures(Figures):
         self, *hinges: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the contact force of hinges over time, by default of the two most loaded."""
-        rows = self.rows(start, end)
+        rows = rows_between(self.result, start, end)
         numbers = hinges or self._most_loaded("hinge_force", rows)
         figure, cells = panels(len(numbers), "time [s]", "pin / bushing force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
@@ -50,7 +51,7 @@ class ContactFigures(Figures):
 
         By default those of the two most loaded bushings.
         """
-        window = self.rows(start, end)
+        window = rows_between(self.result, start, end)
         numbers = bushings or self._most_loaded("tooth_force", window)
         figure, cells = panels(len(numbers), "time [s]", "bushing / tooth force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
@@ -92,7 +93,7 @@ class ContactFigures(Figures):
         Hinges are shown with the elastic part of their law. By default the two most loaded ones are
         drawn. The contacts of a mechanism go by their names; without a name, all are drawn.
         """
-        rows = self.rows(start, end)
+        rows = rows_between(self.result, start, end)
         if self.result.scene.kind == "mechanism":
             return force_penetration_figure(self.result, numbers, rows, ax)
         if contact not in ("tooth", "hinge"):
@@ -115,7 +116,7 @@ class ContactFigures(Figures):
         The dotted circle shows the contact onset. One scale of colours holds for all hinges. By
         default the two most loaded ones are drawn.
         """
-        rows = self.rows(start, end)
+        rows = rows_between(self.result, start, end)
         numbers = hinges or self._most_loaded("hinge_force", rows)
         clearance = 1e6 * self.result.drive.chain.hinge.clearance
         figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4), ax=ax)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
+from rustchain.analysis.window import rows_between
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
 from rustchain.plot.style import Ax, Figures, legend_above, panels, styled, subplots
 from rustchain.results.views import Energy
@@ -16,7 +17,7 @@ class HistoryFigures(Figures):
     @styled
     def tension(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the tension of all strands over time, and the pretension if there is one."""
-        rows = self.rows(start, end)
+        rows = rows_between(self.result, start, end)
         figure, (axes,) = panels(1, "time [s]", "strand tension [N]", size=(7.0, 2.8), ax=ax)
         for k, name in enumerate(self.result.strand_names):
             strand, color = self.result.strand(name), CYCLE[k % len(CYCLE)]
@@ -31,7 +32,7 @@ class HistoryFigures(Figures):
     def energy(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the energy balance over time, and its residual."""
         scale, unit = (1.0, "J") if self.result.scene.kind == "mechanism" else (1e3, "mJ")
-        rows = self.rows(start, end)
+        rows = rows_between(self.result, start, end)
         return energy_figure(self.result.time, self.result.energy, rows, scale, unit, ax)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
+from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.description.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
@@ -31,13 +32,15 @@ class JointFigures(Figures):
         joints and drivers are drawn, without a name of all.
         """
         if self.result.scene.kind == "mechanism":
-            return joint_loads_figure(self.result, joints, self.rows(start, end), ax)
+            return joint_loads_figure(
+                self.result, joints, rows_between(self.result, start, end), ax
+            )
         self._check_ideal()
         names = self._joint_names(joints)
         hinges = [name for name in names if name.startswith("hinge_")]
         recorded = self._motors() if "sprocket_torque" in self.result.arrays else []
         motors = [name for name in (names or recorded) if name.startswith("motor_")]
-        rows = self.rows(start, end)
+        rows = rows_between(self.result, start, end)
         time = self.result.time[rows]
         shown = ["force [N]"] * (not names or bool(hinges)) + ["torque [N m]"] * bool(motors)
         figure, cells = subplots(

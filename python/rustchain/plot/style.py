@@ -15,12 +15,10 @@ from matplotlib.collections import Collection
 from matplotlib.colors import to_hex, to_rgba, to_rgba_array
 from matplotlib.figure import Figure
 
-from rustchain.analysis.window import rows_between
 from rustchain.arguments import checked, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import named_attributes
 from rustchain.plot.colors import GREY, GRID, Theme, in_theme
-from rustchain.typing import Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -114,10 +112,6 @@ class Figures:
     """A result to be drawn."""
 
     result: Result
-
-    def rows(self, start: Time, end: Time) -> slice:
-        """Return the rows from `start` to `end`."""
-        return rows_between(self.result, start, end)
 
 
 def subplots(
