@@ -266,14 +266,13 @@ fn check_chain(drive: &Drive) -> Result<()> {
 fn check_parts(drive: &Drive) -> Result<()> {
     if !drive.guides.is_empty() {
         return refuse(format!(
-            "ChainDrive.guides: {} of them; a mechanism takes none, leave them",
+            "ChainDrive.guides: {} of them; expected none with ideal hinges and in a mechanism; leave them out",
             drive.guides.len()
         ));
     }
     if let Some(stiffness) = drive.chain.axial_stiffness() {
         return refuse(format!(
-            "Chain.link_stiffness, {stiffness} N/m in all: must be None in a mechanism, whose links are rigid; ideal hinges have \
-             no contact for it to be in series with"
+            "Chain.link_stiffness, {stiffness} N/m in all: must be None with ideal hinges and in a mechanism, whose links are rigid"
         ));
     }
     for (number, sprocket) in drive.sprockets.iter().enumerate() {
@@ -281,7 +280,7 @@ fn check_parts(drive: &Drive) -> Result<()> {
             return Err(Error::invalid(
                 format!("ChainDrive.sprockets.{}.eccentricity", number + 1),
                 sprocket.faults.eccentricity,
-                "must be 0 in a mechanism, whose teeth are concentric",
+                "must be 0 with ideal hinges and in a mechanism, whose teeth are concentric",
             ));
         }
     }

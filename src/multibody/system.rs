@@ -89,7 +89,7 @@ impl System for MechanismDynamics {
         vec![Identity {
             field: "mechanism",
             value: format!("model {:016x}", hash(text.as_bytes())),
-            remedy: "the state is of another mechanism; make the simulation with that one, described the same, in the same order",
+            remedy: "the state is of another scene; make the simulation with the same drive or mechanism, described in the same order, and start",
         }]
     }
 

@@ -195,7 +195,7 @@ def test_a_state_goes_on_to_the_same_bits(tmp_path):
 def test_a_state_of_another_scene_is_refused():
     state = rc.Simulation(DRIVE, solver=SOLVER).state()
     other = rc.Simulation(rc.paper_drive(pretension=50.0, hinges="ideal"), solver=SOLVER)
-    with pytest.raises(rc.InvalidInput, match="of another mechanism"):
+    with pytest.raises(rc.InvalidInput, match="of another scene"):
         other.set_state(state)
     with pytest.raises(rc.InvalidInput, match=r"state, Solver\.accuracy = "):
         rc.Simulation(DRIVE, solver=rc.Solver(accuracy=1e-8)).set_state(state)

@@ -281,7 +281,7 @@ def test_a_state_goes_on_to_the_same_bits():
         resumed.evaluate().joint_reaction, straight.evaluate().joint_reaction
     )
     mechanism.add_torque("motor", "bar 0", 1.0)
-    with pytest.raises(rc.InvalidInput, match="of another mechanism"):
+    with pytest.raises(rc.InvalidInput, match="of another scene"):
         rc.Simulation(mechanism).set_state(broken.state())
 
 
