@@ -137,6 +137,8 @@ def load_scene(path: str | Path) -> Scene:
     InvalidInput
         The file is not TOML or JSON, has an unknown key or lacks one, or a value is refused. The
         message has the file, the line, the key, the value and the permitted values.
+    OSError
+        The file cannot be read; `FileNotFoundError` where there is none.
 
     Examples
     --------

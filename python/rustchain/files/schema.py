@@ -28,7 +28,7 @@ from rustchain.simulation.simulation import Simulation
 _FILE = {
     "type": "object",
     "description": "A file of rows of numbers with commas between; its path is relative to this.",
-    "properties": {"file": {"type": "string"}},
+    "properties": {"file": {"type": "string", "description": "Path of the file."}},
     "required": ["file"],
     "additionalProperties": False,
 }
@@ -43,6 +43,10 @@ def schema() -> dict[str, Any]:
         name: made.table(fields, descriptions_of(texts[name]))
         for name, fields in sections().items()
     }
+    tables["simulation"]["description"] = "Laws, solver and start of the scene."
+    tables["run"]["description"] = "Duration and report of the run, and where the result goes."
+    other = tables["simulation"]["properties"]["min_approach_speed"]
+    other["description"] = "Another name of min_impact_velocity."
     drive = made.value(ChainDrive) | {"description": "The drive to simulate."}
     mechanism = made.value(Mechanism) | {"description": "The mechanism to simulate."}
     return {

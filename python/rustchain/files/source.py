@@ -50,7 +50,7 @@ class Source:
         except OSError as error:
             where = shown_path(path)
             msg = f"{where}: cannot be read ({reason(error)}): give the path of a drive file"
-            raise InvalidInput(msg) from error
+            raise type(error)(msg) from error
         except ValueError as error:  # of the form, of UTF-8, or an integer of too many digits
             msg = (
                 f"{path}: is no {form} ({error}); expected a drive file as in "

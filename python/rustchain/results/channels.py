@@ -111,9 +111,12 @@ VARIABLES = {
     "joint_reaction": Variable(
         "joints", ("joint", "component"), "N, N, N m", "force and torque on body b, about its point"
     ),
-    "joint_position_residual": Variable("joints", ("joint",), "m or rad", "constraint residual"),
+    # The largest of all equations of a joint, lengths and angles: a number of m or of rad.
+    "joint_position_residual": Variable(
+        "joints", ("joint",), "1", "constraint residual, over 1 m or 1 rad"
+    ),
     "joint_velocity_residual": Variable(
-        "joints", ("joint",), "m/s or rad/s", "rate of the constraint residual"
+        "joints", ("joint",), "1", "rate of the constraint residual, over 1 m/s or 1 rad/s"
     ),
     "peak_joint_force": Variable("joints", ("joint",), "N", "largest force since the last row"),
     "peak_joint_impulse": Variable("joints", ("joint",), "N s", "impulse since the last row"),

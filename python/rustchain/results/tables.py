@@ -106,8 +106,6 @@ def variables_of(
     for name in filter(arrays.__contains__, known):
         for part, v, place in known[name].parts(name):
             attributes = {"units": v.units, "long_name": v.long_name}
-            if " or " in v.units:  # of joints of several kinds: a variable has one unit, or none
-                attributes = {"long_name": f"{v.long_name} [{v.units}]"}
             values = arrays[name] if part == name else arrays[name][..., place]
             found[part] = (("time", *v.dims), values, attributes)
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 class Present(OfScene):
     """A scene at some time of its motion."""
+
+    rest: dict[str, float] | None = None
 
     _core: _rustchain.Core
     _running = False
@@ -158,12 +161,14 @@ class Present(OfScene):
             A contact had left the range of its law.
         """
         scene, place, state = state_file.read(path)
-        if scene.kind == "mechanism":  # assembled again; drivers change the described velocities
-            place, _ = start_of(scene)
-        simulation = cls._around(core_of(scene, place), scene)
-        simulation._core = state_file.restored(simulation._core, state)
+        simulation = cls._continued(scene, place, state)
         simulation._warn()
         return simulation
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy and pickle scene and state; the copy continues to the same bits."""
+        place = dict(zip(("positions", "velocities"), self._core.start(), strict=True))
+        return _copied, (type(self), self.scene, place, self.state(), self.rest)
 
     @known_keywords
     def evaluate(
@@ -187,6 +192,14 @@ class Present(OfScene):
         return Evaluation(self._core.evaluate(*rows, time))
 
     @classmethod
+    def _continued(cls, scene: Scene, place: Mapping[str, Any], state: Mapping[str, Any]) -> Self:
+        """Return the simulation of a scene that began at `place`, in another state."""
+        if scene.kind == "mechanism":  # assembled again; drivers change the described velocities
+            place, _ = start_of(scene)
+        core = core_of(scene, place)
+        return cls._around(state_file.restored(core, state), scene)
+
+    @classmethod
     def _around(cls, core: _rustchain.Core, scene: Scene) -> Self:
         """Return the simulation of `scene` that `core` is in the middle of."""
         simulation = cls.__new__(cls)
@@ -208,3 +221,19 @@ class Present(OfScene):
                 "move it"
             )
             raise InvalidInput(msg)
+
+
+def _copied(
+    kind: type[Present],
+    scene: Scene,
+    place: Mapping[str, Any],
+    state: Mapping[str, Any],
+    rest: dict[str, float] | None,
+) -> Present:
+    """Return the copy of a simulation, without the warnings that the original has given."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        copied = kind._continued(scene, place, state)
+        copied._warn()
+    copied.rest = rest
+    return copied

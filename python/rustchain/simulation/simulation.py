@@ -81,8 +81,6 @@ class Simulation(Present):
     (11, 'finished')
     """
 
-    rest: dict[str, float] | None = None
-
     def __init__(
         self,
         scene: Scene | ChainDrive | Mechanism,

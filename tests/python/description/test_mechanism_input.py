@@ -245,3 +245,29 @@ def test_a_part_that_no_file_can_hold_is_told_with_its_number_and_name(tmp_path)
     says = r"scene\.system\.forces\.1 \('pull'\)\.function: is a Python function"
     with pytest.raises(rc.InvalidInput, match=says):
         rc.save_scene(rc.Scene(m), tmp_path / "scene.toml")
+
+
+def test_a_body_in_a_file_has_the_defaults_of_add_body(tmp_path):
+    path = tmp_path / "ball.toml"
+    path.write_text(
+        """
+[mechanism]
+gravity = [0.0, -9.81]
+[[mechanism.bodies]]
+name = "ball"
+mass = 1.0
+inertia = 0.1
+[[mechanism.contacts]]
+kind = "disc"
+name = "touch"
+body_a = "ground"
+body_b = "ball"
+radius = 0.1
+profile_radius = 0.1
+law = {type = "LinearContact", stiffness = 1e5}
+"""
+    )
+    m = rc.Mechanism()
+    m.add_body("ball", 1.0, 0.1)
+    m.add_disc_contact("touch", "ground", "ball", 0.1, 0.1, rc.LinearContact(1e5))
+    assert rc.load_scene(path) == rc.Scene(m)

@@ -175,5 +175,5 @@ class WithContacts:
         first, last = (at[0] if len(at) == 2 else (0.0, 0.0)), at[-1]
         self.contacts = (
             *self.contacts,
-            Contact(kind, name, *bodies, first, last, radius, law, **profile),
+            Contact(kind, name, *bodies, radius, law, first, last, **profile),
         )

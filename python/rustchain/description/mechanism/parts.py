@@ -142,9 +142,9 @@ class Body(Part):
     name: str
     mass: float
     inertia: float
-    position: Point
-    velocity: Point
-    fixed: bool
+    position: Point = (0.0, 0.0, 0.0)
+    velocity: Point = (0.0, 0.0, 0.0)
+    fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -249,12 +249,12 @@ class Contact(Part):
         Name of the part.
     body_a, body_b : str
         Names of the bodies; "ground" is the frame that does not move.
-    point_a, point_b : (float, float)
-        Points in the frames of the bodies [m].
     radius : float
         Radius of the circle, on body b [m].
     law : LinearContact, HuntCrossley or SurfaceContact
         Contact law.
+    point_a, point_b : (float, float)
+        Points in the frames of the bodies [m].
     profile_radius : float
         Radius of a round profile [m].
     points : sequence of rows
@@ -271,10 +271,10 @@ class Contact(Part):
     name: str
     body_a: str
     body_b: str
-    point_a: Point
-    point_b: Point
     radius: float
     law: ContactLaw
+    point_a: Point = (0.0, 0.0)
+    point_b: Point = (0.0, 0.0)
     profile_radius: float = 0.0
     points: Rows = ()
     closed: bool = False
