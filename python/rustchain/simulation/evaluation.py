@@ -49,7 +49,7 @@ class Evaluation(ArrayValue):
         Of mechanisms and ideal hinges: force on the circle [N].
     contact_gap, contact_region : ndarray of int, (contacts,)
         Of mechanisms and ideal hinges, of circles near teeth: the gap, from 0 (-1: none), and its
-        region, counted from 1 along its outline (0: none; an ANSI gap has seven).
+        region. Regions count from 1 along its outline (0: none); an ANSI gap has seven.
     """
 
     accelerations: Array
