@@ -21,7 +21,7 @@ from rustchain.analysis.phases import (
 )
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import plain, shown
-from rustchain.errors import InvalidInput
+from rustchain.errors import NoSuchPart
 from rustchain.typing import Time
 
 if TYPE_CHECKING:
@@ -254,7 +254,7 @@ def check_sprocket(result: Result, number: object, argument: str = "sprocket") -
         msg = f"{argument} = {shown(number)}: must be the number of a sprocket, 1 to {count}"
         if result.drive.guides:
             msg += "; the loads of guides are those of guide_loads"
-        raise InvalidInput(msg)
+        raise NoSuchPart(msg)
 
 
 def _forces(result: Result, part: str, rows: slice) -> Forces:

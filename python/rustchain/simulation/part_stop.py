@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from rustchain.arguments import admitted, shown
 from rustchain.description.base import description
-from rustchain.errors import InvalidInput
+from rustchain.errors import InvalidInput, NoSuchPart
 from rustchain.names import suggest
 from rustchain.simulation.stop import Look, StopCondition
 
@@ -40,7 +40,8 @@ class _PartForceAbove(StopCondition):
             msg = f"stop: {kind}: {name} has no {self.part}s{remedy}"
             raise InvalidInput(msg)
         if wanted is not None and wanted not in names:
-            raise self._refusal(self.part, wanted, f"is no {self.part}; {suggest(wanted, names)}")
+            expected = f"is no {self.part}; {suggest(wanted, names)}"
+            raise self._refusal(self.part, wanted, expected, NoSuchPart)
         channel = f"peak_{self.part}_force"
         first = 0 if wanted is None else names.index(wanted)
         which = slice(first, len(names) if wanted is None else first + 1)

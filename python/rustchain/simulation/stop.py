@@ -13,7 +13,7 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.arguments import finite_number, shown
 from rustchain.description.base import Description, description, plain
-from rustchain.errors import InvalidInput
+from rustchain.errors import InvalidInput, NoSuchPart
 from rustchain.names import suggest
 from rustchain.simulation.run import GROUPS
 
@@ -49,8 +49,10 @@ class StopCondition(Description, ABC):
     def look_at(self, simulation: Simulation) -> Look:
         """Return the function that is called at each report of `simulation`."""
 
-    def _refusal(self, field: str, value: object, expected: str) -> InvalidInput:
-        return InvalidInput(f"{type(self).__name__}.{field} = {shown(value)}: {expected}")
+    def _refusal(
+        self, field: str, value: object, expected: str, kind: type[InvalidInput] = InvalidInput
+    ) -> InvalidInput:
+        return kind(f"{type(self).__name__}.{field} = {shown(value)}: {expected}")
 
     def _check_number(self, field: str, unit: str, least: str = "a positive number") -> None:
         """Refuse what is no finite number, or below `least`: zero may be among them, or not."""
@@ -76,7 +78,8 @@ class StopCondition(Description, ABC):
         if number is None:
             return slice(0, count)
         if number > count:
-            raise self._refusal(field, number, f"must be a number from 1 to {count}, or None")
+            expected = f"must be a number from 1 to {count}, or None"
+            raise self._refusal(field, number, expected, NoSuchPart)
         return slice(number - 1, number)
 
 
@@ -193,9 +196,8 @@ class StrandSlack(StopCondition):
         """Return the function that is called at each report of `simulation`."""
         names = _rustchain.strand_names(simulation.drive)
         if self.strand is not None and self.strand not in names:
-            raise self._refusal(
-                "strand", self.strand, f"is no strand; {suggest(self.strand, names)}"
-            )
+            expected = f"is no strand; {suggest(self.strand, names)}"
+            raise self._refusal("strand", self.strand, expected, NoSuchPart)
         since: dict[str, float] = {}
         tight = set(names) if self.from_start else set()
 

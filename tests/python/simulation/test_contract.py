@@ -323,6 +323,17 @@ def test_a_part_that_is_not_there_gets_the_nearest(scene):
                 call(wrong, 1.0)
 
 
+def test_a_condition_on_a_part_that_is_not_there_is_refused(scene):
+    conditions = {
+        "clearance": [rc.HingeForceAbove(1.0, hinge=99), rc.StrandSlack(strand="uper")],
+        "ideal": [rc.JointForceAbove(1.0, joint="hinge6")],
+        "mechanism": [rc.JointForceAbove(1.0, joint="moter"), rc.ContactForceAbove(1.0, "flor")],
+    }
+    for condition in conditions[scene.kind]:
+        with pytest.raises(rc.NoSuchPart, match=r"did you mean|from 1 to 38"):
+            rc.Simulation(scene).run(1e-3, stop=condition, progress=False)
+
+
 def test_a_part_without_the_quantity_gets_an_error_and_the_run_stays_as_it_was(scene):
     simulation = rc.Simulation(scene)
     (part, _), load = INPUTS[scene.kind]
