@@ -166,6 +166,21 @@ def row_of_calls(count: int) -> Row:
     return Row(promise, "`calls.py`", tried, holes if tried else 1)
 
 
+def row_of_mechanisms(count: int) -> Row:
+    """Return the row of random mechanisms beside Exudyn."""
+    script = ROOT / "tests" / "stress" / "exudyn_mechanisms.py"
+    command = [sys.executable, str(script), "--seeds", "0", str(count)]
+    ended = subprocess.run(command, capture_output=True, text=True)
+    last = ended.stdout.splitlines()[-1] if ended.stdout else ""
+    made = re.match(r"(\d+) mechanisms.* (\d+) disagree.*extrapolated (\S+)", last)
+    promise = "random mechanisms move as in Exudyn, to its tolerance"
+    if made is None:
+        print(ended.stderr, flush=True)
+        return Row(promise, f"`{script.name}`", 0, 1)
+    tried, disagree, worst = int(made[1]), int(made[2]), made[3].rstrip(",")
+    return Row(promise, f"`{script.name}`", tried, disagree, f"{worst} m or rad, extrapolated")
+
+
 def row_of_pytest(promise: str, paths: Iterable[str], chosen: str) -> Row:
     """Return the row of tests of pytest."""
     with tempfile.TemporaryDirectory() as folder:
@@ -211,6 +226,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=seeds_of, default=range(200), help="A:B of random scenes")
     parser.add_argument("--every", type=int, default=20, help="of the extreme scenes, each so many")
     parser.add_argument("--calls", type=int, default=1000, help="number of wild calls")
+    parser.add_argument("--mechanisms", type=int, default=20, help="number beside Exudyn")
     parser.add_argument(
         "--random", type=Path, help="outcomes that run.py --out wrote, not run here"
     )
@@ -226,6 +242,7 @@ def main() -> int:
     chosen = studies.runs()
     of_studies = list(studies.all_outcomes(chosen))
     rows += [row_of_studies(of_studies), row_of_calls(given.calls)]
+    rows.append(row_of_mechanisms(given.mechanisms))
     rows += [row_of_pytest(*test) for test in OF_PYTEST]
     print("\n".join([HEAD, *map(str, rows)]))
     failed = [o for o in (*random, *extreme, *of_studies) if o.failed]

@@ -1,8 +1,9 @@
-"""An ideal-hinge chain over two wheels, one on a spring, beside an independent code: exudyn."""
+"""A chain over two wheels, and random mechanisms, beside an independent code: exudyn."""
 
 import numpy as np
 import pytest
 
+import exudyn_mechanisms
 import ideal_drive_peer as scene
 import rustchain as rc
 
@@ -52,3 +53,14 @@ def test_exudyn_comes_to_the_same_answer_as_its_steps_grow_smaller():
     assert errors[1] < errors[0] / 4
     assert errors[2] < errors[1] / 4
     assert errors[2] < 1e-4 * moved
+
+
+# Of 100 that `tests/stress/exudyn_mechanisms.py` compares: trees, closed loops, drivers, gears, and
+# bodies on springs alone.
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::rustchain.RustchainWarning")
+@pytest.mark.parametrize("seed", [0, 1, 3, 4, 9, 10])
+def test_random_mechanisms_move_as_those_of_exudyn(seed):
+    pytest.importorskip("exudyn")
+    compared = exudyn_mechanisms.compare(seed)
+    assert compared.agrees, compared
+    assert compared.moved > 1e3 * compared.extrapolated
