@@ -89,7 +89,6 @@ def run(
         if any(tolerance is not None for tolerance in (accuracy, rtol, atol)):
             # One kind of tolerance takes the place of the other.
             solver |= {"rtol": rtol, "atol": atol}
-            solver.setdefault("accuracy", rc.Solver.accuracy)
         groups = None if record is None else [group.strip() for group in record.split(",")]
         reports = {
             "duration": scene.run.get("duration", 2.0) if duration is None else duration,

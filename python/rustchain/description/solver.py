@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Literal
 
 from rustchain.description.base import Description, description
-from rustchain.errors import InvalidInput
 
 Method = Literal["auto", "pece", "newton"]
 
@@ -24,8 +23,7 @@ class Solver(Description):
         smooth. "auto": the cheaper of the two, switched during the run.
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
-        them is given, they replace `accuracy`, which must not be given too; the other is then 1e-5.
-        One may be 0.
+        them is given, they replace `accuracy`; the other is then 1e-5. One may be 0.
     max_step : float
         Largest step [s].
     max_order : int
@@ -50,14 +48,3 @@ class Solver(Description):
     max_step: float = 1e-4
     max_order: int = 12
     accuracy: float = 1e-10
-
-    def __post_init__(self) -> None:
-        """Check every field, and that one kind of tolerance is given alone."""
-        super().__post_init__()
-        own = {"rtol": self.rtol, "atol": self.atol}
-        given = [f"{name} = {value:g}" for name, value in own.items() if value is not None]
-        if given and self.accuracy != type(self).accuracy:
-            raise InvalidInput(
-                f"Solver.accuracy = {self.accuracy:g}: is not used beside {' and '.join(given)}; "
-                "expected one kind of tolerance; leave out accuracy, or rtol and atol"
-            )

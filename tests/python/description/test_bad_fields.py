@@ -156,18 +156,6 @@ COMBINATIONS = {
         0.0,
         "rtol and atol must not both be zero",
     ),
-    "both kinds of tolerance": (
-        lambda: rc.Solver(accuracy=1e-9, rtol=1e-6),
-        "Solver.accuracy",
-        1e-9,
-        "is not used beside rtol = 1e-06; expected one kind of tolerance",
-    ),
-    "an accuracy and a tolerance of 0": (
-        lambda: rc.Solver(accuracy=1e-9, rtol=0.0, atol=1e-3),
-        "Solver.accuracy",
-        1e-9,
-        "is not used beside rtol = 0 and atol = 0.001; expected one kind of tolerance",
-    ),
     "two speeds": (
         lambda: rc.Sprocket(teeth=17, motion=rc.PrescribedSpeed(1.0), initial_speed=2.0),
         "Sprocket.initial_speed",

@@ -165,13 +165,6 @@ solver = { rtol = 1e-6, max_step = 5e-5 }
         solver = result.solver
         assert (solver.rtol, solver.atol, solver.accuracy) == tolerances
         assert solver.max_step == 5e-5
-    accurate = written(tmp_path, text.replace("rtol = 1e-6", "accuracy = 1e-9"))
-    done = rustchain("run", accurate, "--duration", 2e-4, "--out", out, "--rtol", 1e-6)
-    assert done.exit_code == 0, done.output
-    assert rc.load_result(out).solver == rc.Solver(rtol=1e-6, max_step=5e-5)
-    done = rustchain("run", path, "--accuracy", 1e-9, "--rtol", 1e-6)
-    assert done.exit_code == 1
-    assert "Solver.accuracy = 1e-09: is not used beside rtol = 1e-06" in done.output
 
 
 def test_a_result_goes_where_the_file_says_relative_to_the_file(tmp_path):
