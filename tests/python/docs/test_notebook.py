@@ -71,7 +71,7 @@ def test_a_figure_is_shown_once(outputs, name):
 @pytest.mark.parametrize("name", ["drive", "report", "result", "summary", "sweep"])
 def test_a_table_is_shown_without_a_second_picture(outputs, name):
     (html,) = (html for html in shown(outputs, name, "text/html") if "<table" in html)
-    assert html.count("image/png") == (name in ("drive", "result", "sweep"))
+    assert html.count("image/png") == (name != "summary")
     assert shown(outputs, name, "image/png") == []
 
 

@@ -186,7 +186,7 @@ def test_a_sweep_has_the_viscosity_as_a_parameter():
                 replace(rc.paper_drive(25.0), hinges="ideal"),
                 hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1)),
             ),
-            "film.*room for a film",
+            "film.*whose hinges have no contact",
         ),
         (lambda: rc.LubricantFilm(0.1).force(1e-6, (0.0, 0.0), (2.0e-3, 2.0e-3), 0.01), "radii"),
     ],

@@ -148,7 +148,7 @@ def test_a_sweep_has_friction_as_a_parameter():
                 replace(rc.paper_drive(25.0), hinges="ideal"),
                 force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)),
             ),
-            "friction.*only chain *drives with clearance hinges",
+            "friction.*whose hinges have no contact",
         ),
     ],
 )

@@ -139,7 +139,7 @@ kinetic_coefficient = 0.1
                 replace(rc.paper_drive(25.0), hinges="ideal"),
                 force_law=rc.LankaraniNikravesh(friction=rc.LuGre(0.1, 0.1)),
             ),
-            "friction.*only chain *drives with clearance hinges",
+            "friction.*whose hinges have no contact",
         ),
     ],
 )
