@@ -121,7 +121,7 @@ def check(
     with clear_errors():
         scene = scene_file(drive, settings)
         scene = scene.changed({}, {}, {"duration": scene.run.get("duration", 2.0)})
-        report = scene.scene.system.check()
+        report = scene.check()
         output.say(report)
         simulation = scene.simulate()
         scene.check_run(simulation)

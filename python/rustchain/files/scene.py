@@ -20,8 +20,12 @@ from rustchain.simulation.simulation import Simulation
 from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
 
 if TYPE_CHECKING:
+    from rustchain.description.mechanism.report import MechanismReport
+    from rustchain.description.report import DriveReport
     from rustchain.files.source import Source
 
+# Of descriptions that a whole drive is needed to refuse, by the beginning of the message.
+_TABLES = {"Tensioner": ("drive", "tensioner"), "Chain": ("drive", "chain")}
 _FORMS = (".toml", ".json")
 
 
@@ -56,6 +60,11 @@ class SceneFile:
         run = dict(found["run"])
         out = run.pop("out", None)
         return cls(found["scene"], run, out, run.pop("memory", None), source)
+
+    def check(self) -> DriveReport | MechanismReport:
+        """Return the report of the drive or mechanism; errors have their place in the file."""
+        with self._errors_located("drive" if self.scene.kind != "mechanism" else "mechanism"):
+            return self.scene.system.check()
 
     def simulate(self) -> Simulation:
         """Return the simulation, at its start."""
@@ -115,7 +124,8 @@ class SceneFile:
         except InvalidInput as error:
             if self._source is None or hasattr(error, "result"):
                 raise
-            raise self._source.refusal((section,), str(error)) from error
+            key = _TABLES.get(str(error).partition(".")[0], (section,))
+            raise self._source.refusal(key, str(error)) from error
 
 
 @known_keywords

@@ -174,6 +174,25 @@ def test_a_result_goes_where_the_file_says_relative_to_the_file(tmp_path):
     assert rc.load_result(tmp_path / "results" / "run.nc").groups == ("teeth",)
 
 
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_direction_that_slackens_has_its_line(tmp_path, command):
+    text = COUNTED.partition("[drive.chain]")[0].format(maker="chain_drive", links="")
+    text += """chain = "ANSI 40"
+sprockets = [{ teeth = 17 }, { teeth = 15, center = [0.2, -0.075] },
+             { teeth = 25, center = [0.4, 0.0] }]
+[drive.tensioner]
+sprocket = 2
+pretension = 80.0
+direction = [0.0, 1.0]
+[run]
+duration = 1e-3
+"""
+    path = written(tmp_path, text)
+    done = rustchain(command, path)
+    assert done.exit_code == 1
+    assert f"{path}, line 11, column 1: drive.tensioner: Tensioner.direction = " in done.output
+
+
 def test_a_stop_condition_ends_a_run_well(tmp_path):
     path = changed(tmp_path, "force = 5000.0", "force = 1.0")
     done = rustchain("run", path)
