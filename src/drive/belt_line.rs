@@ -80,10 +80,10 @@ impl BeltLine {
             for (j, other) in self.belt.spans.iter().enumerate().skip(i + 1) {
                 if belt::cross(span, other) {
                     return refuse(&format!(
-                        "the strands {} and {} cross: list the sprockets in the order in which the chain meets them{}",
+                        "the strands {} and {} cross: {}",
                         name(i),
                         name(j),
-                        suggested_order(drive)
+                        remedy_of_crossing(drive)
                     ));
                 }
             }
@@ -199,30 +199,53 @@ fn why_no_loop(drive: &Drive, listed: &[usize]) -> String {
             "the sprockets are not listed in the order in which a chain meets them{order}"
         );
     }
-    let mut flipped = drive.clone();
-    for i in 0..drive.sprockets.len() {
-        let side = drive.sprockets[i].side;
-        let other = match side {
-            Side::Inside => Side::Outside,
-            Side::Outside => Side::Inside,
-        };
-        flipped.sprockets[i].side = other;
-        let found = loop_in(&flipped, listed).or_else(|| loop_in(&flipped, &reversed(listed)));
-        if found.is_some_and(|line| line.check_crossings(&flipped).is_ok()) {
-            return format!(
-                "sprocket {} stands where a chain in this order would have it {}; it has side=\"{}\"",
-                i + 1,
-                other.name(),
-                side.name()
-            );
-        }
-        flipped.sprockets[i].side = side;
+    if let Some((i, other)) = sprocket_to_flip(drive) {
+        return format!(
+            "sprocket {} stands where a chain in this order would have it {}; it has side=\"{}\"",
+            i + 1,
+            other.name(),
+            drive.sprockets[i].side.name()
+        );
     }
     let turns = Belt::around(&pulleys(drive, listed)).map_or(0.0, |belt| belt.turns);
     format!(
         "a chain round the sprockets in this order would turn {turns:.2} times round instead of once; check their order, \
          centres and sides"
     )
+}
+
+/// Return what to change so that no strands cross: the order, or the side of one sprocket.
+fn remedy_of_crossing(drive: &Drive) -> String {
+    let order = suggested_order(drive);
+    match sprocket_to_flip(drive) {
+        Some((i, side)) if order.is_empty() => format!(
+            "give sprocket {} side=\"{}\" (it has side=\"{}\"), or move it to the other side of the chain",
+            i + 1,
+            side.name(),
+            drive.sprockets[i].side.name()
+        ),
+        _ => format!("list the sprockets in the order in which the chain meets them{order}"),
+    }
+}
+
+/// Return the first sprocket with whose other side a chain in the listed order has no crossings, and that side.
+fn sprocket_to_flip(drive: &Drive) -> Option<(usize, Side)> {
+    let listed: Vec<usize> = (0..drive.sprockets.len()).collect();
+    let mut flipped = drive.clone();
+    for i in 0..listed.len() {
+        let side = drive.sprockets[i].side;
+        let other = match side {
+            Side::Inside => Side::Outside,
+            Side::Outside => Side::Inside,
+        };
+        flipped.sprockets[i].side = other;
+        let found = loop_in(&flipped, &listed).or_else(|| loop_in(&flipped, &reversed(&listed)));
+        if found.is_some_and(|line| line.check_crossings_quietly(&flipped)) {
+            return Some((i, other));
+        }
+        flipped.sprockets[i].side = side;
+    }
+    None
 }
 
 /// Return the text that names the shortest loop in another order without crossings; empty for none, or for too many sprockets.

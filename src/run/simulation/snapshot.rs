@@ -140,10 +140,15 @@ fn check_control(state: &StepControl, own: &StepControl) -> Result<()> {
     let remedy = "make the simulation with the solver of the state";
     let (method, own_method) = (state.corrector.name(), own.corrector.name());
     same("Solver.method", method, own_method, remedy)?;
-    same("Solver.accuracy", &state.accuracy, &own.accuracy, remedy)?;
-    same("Solver.rtol", &state.rtol, &own.rtol, remedy)?;
-    same("Solver.atol", &state.atol, &own.atol, remedy)?;
-    same("Solver.max_step", &state.max_step, &own.max_step, remedy)?;
+    for (field, state, own) in [
+        ("Solver.accuracy", state.accuracy, own.accuracy),
+        ("Solver.rtol", state.rtol, own.rtol),
+        ("Solver.atol", state.atol, own.atol),
+        ("Solver.max_step", state.max_step, own.max_step),
+    ] {
+        // With an exponent: 1e-10 in place of 0.0000000001.
+        same(field, &format!("{state:e}"), &format!("{own:e}"), remedy)?;
+    }
     same("Solver.max_order", &state.max_order, &own.max_order, remedy)
 }
 

@@ -236,7 +236,20 @@ BAD = {
         ).check(),
         "1, 2, 4, 3 would do",
     ),
+    "side of an idler": (
+        lambda: crossed("outside").check(),
+        r"strands 1-3 and 2-1 cross: give sprocket 3 side=\"inside\" \(it has",
+    ),
 }
+
+
+def crossed(side):
+    wheels = rc.Sprocket(17), rc.Sprocket(17, (0.4, 0.0))
+    return rc.chain_drive("ANSI 40", [*wheels, rc.Sprocket(13, (0.2, 0.1), side=side)])
+
+
+def test_the_proposed_side_of_a_crossing_chain_has_a_layout():
+    assert crossed("inside").check()
 
 
 @pytest.mark.parametrize("case", BAD)

@@ -311,6 +311,10 @@ PAPER = rc.paper_drive(pretension=25.0)
         (lambda: rc.Simulation(PAPER, rc.Johnson()), "state, hinge law = .*: the simulation has"),
         (lambda: rc.Simulation(PAPER, min_impact_velocity=2e-3), "state, min_impact_velocity = "),
         (lambda: rc.Simulation(PAPER, solver=rc.Solver(rtol=1e-6)), "state, Solver.rtol = "),
+        (
+            lambda: rc.Simulation(PAPER, solver=rc.Solver(accuracy=1e-9)),
+            "state, Solver.accuracy = 1e-10: the simulation has 1e-9: make",
+        ),
         (lambda: rc.Simulation(PAPER, solver=rc.Solver(max_order=5)), "state, Solver.max_order"),
         (
             lambda: rc.Simulation(rc.two_sprocket_drive("ANSI 40", (17, 25), links=60)),
