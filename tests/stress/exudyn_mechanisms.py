@@ -151,7 +151,7 @@ def _drop_redundant(mechanism: rc.Mechanism) -> None:
         held = Reference(mechanism).jacobian(placed, 0.0)
         if np.linalg.cond(held) < WORST_CONDITION:
             return
-        mechanism.joints.pop()
+        mechanism.joints = mechanism.joints[:-1]
 
 
 def simulated(seed: int) -> rc.Simulation:
