@@ -82,7 +82,10 @@ def read(path: str | Path) -> tuple[Scene, dict[str, Array | None], dict[str, An
             members = {name: file[name] for name in file.files}
         found = int(members["format"])
         if found == _FORMAT:
-            scene: Scene = Description.from_json(str(members["scene"]))
+            scene = Description.from_json(str(members["scene"]))
+            if not isinstance(scene, Scene):
+                msg = "its scene is none"
+                raise TypeError(msg)
             start = {name: rows_of(name, members[f"start.{name}"], "bodies") for name in _ROWS}
             return scene, start, _state_of(members)
     except Exception as error:  # a damaged archive raises what it likes

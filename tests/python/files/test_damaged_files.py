@@ -362,3 +362,14 @@ def test_a_scene_in_a_file_makes_nothing_but_descriptions(tmp_path):
         path.write_text(json.dumps({"drive": {"type": kind, "path": "/"}}))
         with pytest.raises(rc.InvalidInput):
             rc.load_scene(path)
+
+
+@pytest.mark.parametrize("text", ["1", "null", "[]", '{"a": 1}'])
+def test_a_state_whose_scene_is_no_scene_is_refused(text, tmp_path):
+    path = tmp_path / "state.npz"
+    pendulum().save_state(path)
+    with np.load(path) as file:
+        members = dict(file)
+    np.savez(path, **members | {"scene": np.array(text)})
+    with pytest.raises(rc.InvalidInput, match="holds no state"):
+        rc.Simulation.load_state(path)
