@@ -12,7 +12,6 @@ use super::evaluation::mechanism_evaluation;
 use super::mechanism_callable::{Raised, take};
 use super::starts::{DriveScene, interrupted};
 use crate::geometry::Vec2;
-use crate::integrator::Corrector;
 use crate::multibody::from_drive::channels::BushingContact;
 use crate::panics::contained;
 use crate::run::ideal_drive::Rows;
@@ -38,14 +37,10 @@ pub(super) fn ideal_core(
     let place = (positions.as_ref(), velocities.as_ref(), surfaces);
     let DriveScene {
         drive,
-        mut control,
+        control,
         start,
         ..
     } = DriveScene::new(scene, place)?;
-    if control.corrector == Corrector::Auto {
-        // Results with ideal hinges were measured with the explicit corrector.
-        control.corrector = Corrector::Pece;
-    }
     let raised = Raised::default();
     let made = contained(|| {
         let give_up = || interrupted(py, &raised);

@@ -1,13 +1,17 @@
 //! Energy quadrature: powers integrated through each step along its path.
 //!
 //! Simpson's rule with one, two or four panels: panels are halved until the estimated error is accepted. Contacts begin and end within steps,
-//! and the power has a kink there; smooth steps take one evaluation. The sums are no part of the integrator's state: they do not enter its
-//! error test, and cost nothing while they are off.
+//! and the power has a kink there; smooth steps take one evaluation. Where the powers at the ends of the last steps predicted the power in the
+//! middle, most steps take none. The sums are no part of the integrator's state: they do not enter its error test, and cost nothing while
+//! they are off.
+
+mod interpolation;
 
 use serde::{Deserialize, Serialize};
 
 use super::PowerSum;
 use crate::integrator::Step;
+use interpolation::{Interpolation, is_below};
 
 /// Accepted error of a step, over its length and the largest power in it: dissipated, or a share of the external power.
 ///
@@ -38,6 +42,7 @@ pub struct EnergyQuadrature<P> {
     powers: Vec<P>,
     /// Evaluations of the right-hand side that the quadrature took.
     evaluations: u64,
+    interpolation: Interpolation<P>,
 }
 
 impl<P: PowerSum> EnergyQuadrature<P> {
@@ -59,6 +64,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
     pub(crate) fn begin(&mut self, t: f64, powers: P) {
         (self.start, self.end) = (t, t);
         self.at_start = self.at_end;
+        self.interpolation = Interpolation::default();
         self.powers.clear();
         self.powers.resize(3, powers);
     }
@@ -100,10 +106,11 @@ impl<P: PowerSum> EnergyQuadrature<P> {
     }
 
     /// Add the energies of a step with the powers `at_end` at its end; `powers_at` evaluates the powers at a part of the step and its time.
+    /// `smooth`: no contact began or ended in the step.
     pub(crate) fn add_step(
         &mut self,
         step: &Step,
-        at_end: P,
+        (at_end, smooth): (P, bool),
         mut powers_at: impl FnMut(f64, f64) -> P,
     ) {
         let length = step.end - step.start;
@@ -112,16 +119,37 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             self.evaluations += 1;
             powers_at(part, step.start + part * length)
         };
-        // The powers at the start of the step before, at their place in parts of this step.
-        let before =
-            (self.start < self.end).then(|| ((self.start - step.start) / length, self.powers[0]));
-        let simpson = [at_start, powers_at(0.5), at_end];
-        let accepted = ACCEPTED_ERROR * (simpson.iter().map(decisive)).fold(0.0, f64::max);
-        let is_accepted = |error: P| error.totals().iter().all(|e| e.abs() <= accepted);
+        // The powers at the starts of the steps before, at their places in parts of this step.
+        let place = |t: f64| (t - step.start) / length;
+        let before = (self.start < self.end).then(|| (place(self.start), self.powers[0]));
+        let earlier = (self.interpolation.earlier).map(|(t, powers)| (place(t), powers));
+        self.interpolation.earlier = before.map(|(_, powers)| (self.start, powers));
+        let scale = decisive(&at_start).max(decisive(&at_end));
+        let near = interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
+        let interpolated = match (earlier, before) {
+            (Some(earlier), Some(before)) if smooth && self.fineness == 0 => {
+                let nodes = [earlier, before, (0.0, at_start), (1.0, at_end)];
+                self.interpolation.middle(nodes, near)
+            }
+            _ => None,
+        };
+        let is_interpolated = interpolated.is_some() && self.interpolation.take();
+        let middle = match interpolated {
+            Some(powers) if is_interpolated => powers,
+            Some(powers) => {
+                let evaluated = powers_at(0.5);
+                (self.interpolation).test(evaluated + powers.scaled(-1.0), near);
+                evaluated
+            }
+            None => powers_at(0.5),
+        };
+        let simpson = [at_start, middle, at_end];
+        let accepted = ACCEPTED_ERROR * scale.max(decisive(&middle));
         self.powers.clear();
         self.powers.extend(simpson);
         let mut mean = simpson_mean(&self.powers);
-        let mut accurate = before.is_some_and(|before| is_accepted(error_of_half(simpson, before)));
+        let is_accurate = |before| is_below(error_of_half(simpson, before), accepted);
+        let mut accurate = is_interpolated || before.is_some_and(is_accurate);
         let mut panels = 1;
         while panels < self.fineness || (self.fineness == 0 && !accurate && panels < MOST_PANELS) {
             panels *= 2;
@@ -132,7 +160,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             }
             let finer = simpson_mean(&self.powers);
             // Of a smooth power, halved panels have a sixteenth of the error.
-            accurate = is_accepted((finer + mean.scaled(-1.0)).scaled(1.0 / 15.0));
+            accurate = is_below((finer + mean.scaled(-1.0)).scaled(1.0 / 15.0), accepted);
             mean = finer;
         }
         self.at_start = self.at_end;
@@ -236,18 +264,28 @@ mod tests {
         }
     }
 
-    /// The quadrature of two steps, of -2 to 0 s and 0 to 2 s, in which the power dissipated is `power`.
-    fn metered(fineness: usize, power: impl Fn(f64) -> f64) -> EnergyQuadrature<Both> {
+    /// The quadrature of `steps` steps of two seconds that end at 2 s, in which the power dissipated is `power`.
+    fn metered_in(
+        steps: u32,
+        fineness: usize,
+        power: impl Fn(f64) -> f64,
+    ) -> EnergyQuadrature<Both> {
+        let begin = 2.0 - 2.0 * f64::from(steps);
         let mut quadrature = EnergyQuadrature::new();
         quadrature.refine(fineness);
-        quadrature.begin(-2.0, Both(power(-2.0), 1.0));
-        for start in [-2.0, 0.0] {
+        quadrature.begin(begin, Both(power(begin), 1.0));
+        for i in 0..steps {
+            let start = begin + 2.0 * f64::from(i);
             let (end, order) = (start + 2.0, 1);
             let step = Step { start, end, order };
             let at = |_, t| Both(power(t), 1.0);
-            quadrature.add_step(&step, at(1.0, end), at);
+            quadrature.add_step(&step, (at(1.0, end), true), at);
         }
         quadrature
+    }
+
+    fn metered(fineness: usize, power: impl Fn(f64) -> f64) -> EnergyQuadrature<Both> {
+        metered_in(2, fineness, power)
     }
 
     #[test]
@@ -304,5 +342,22 @@ mod tests {
         // At a kink the error falls by less than a sixteenth when panels are halved: a few times the accepted one is left.
         assert!(largest[0] < 4.0 * ACCEPTED_ERROR, "{largest:?}");
         assert!(largest[1] > 50.0 * ACCEPTED_ERROR, "{largest:?}");
+    }
+
+    #[test]
+    fn a_smooth_power_takes_an_evaluation_in_one_of_eight_steps() {
+        let power = |t: f64| 2.0 + (0.1 * t).sin();
+        let quadrature = metered_in(1000, 0, power);
+        let exact = 2.0 * 2000.0 - 10.0 * (0.2f64.cos() - 199.8f64.cos());
+        assert!((quadrature.energies(2.0).0 / exact - 1.0).abs() < 1e-5);
+        assert!(quadrature.evaluations() < 1000 / 8 + 10);
+    }
+
+    #[test]
+    fn a_power_that_its_values_at_the_ends_of_steps_do_not_show_is_evaluated_in_each_step() {
+        let power = |t: f64| 1.0 + 9.0 * (0.5 * std::f64::consts::PI * t).sin().powi(2);
+        let quadrature = metered_in(1000, 0, power);
+        assert!((quadrature.energies(2.0).0 / (5.5 * 2000.0) - 1.0).abs() < 1e-3);
+        assert!(quadrature.evaluations() >= 1000);
     }
 }

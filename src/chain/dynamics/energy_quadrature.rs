@@ -135,6 +135,8 @@ impl Dynamics {
         if !self.keeps_energy {
             return;
         }
+        // Evaluations inside the step come after this: the answer is that of the step's last one.
+        let smooth = !self.kernels.changed();
         let mut quadrature = std::mem::take(&mut self.quadrature);
         let mut y = std::mem::take(&mut self.inside);
         let mut slope = std::mem::take(&mut self.slope);
@@ -146,7 +148,7 @@ impl Dynamics {
             quadrature.count_evaluation();
         }
         let at_end = self.powers;
-        quadrature.add_step(step, at_end, |part, t| {
+        quadrature.add_step(step, (at_end, smooth), |part, t| {
             self.kernels.instructions().run(Between {
                 ends: &self.ends,
                 part,
