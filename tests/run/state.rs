@@ -210,9 +210,9 @@ fn a_state_of_another_scene_is_refused_with_what_differs() {
         ),
         (
             with_control(control(1e-6)),
-            "state, Solver.rtol = 0.000001: the simulation has 0.00001",
+            "state, Solver.rtol = 1e-6: the simulation has 1e-5",
         ),
-        (with_control(coarse), "state, Solver.max_step = 0.0002"),
+        (with_control(coarse), "state, Solver.max_step = 2e-4"),
     ] {
         let message = refusal(&mut own, &other);
         assert!(message.contains(said), "{message}");
