@@ -129,7 +129,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         let interpolated = match (earlier, before) {
             (Some(earlier), Some(before)) if smooth && self.fineness == 0 => {
                 let nodes = [earlier, before, (0.0, at_start), (1.0, at_end)];
-                self.interpolation.middle(nodes, near)
+                interpolation::middle(nodes, near)
             }
             _ => None,
         };

@@ -27,13 +27,6 @@ pub(super) struct Interpolation<P> {
 }
 
 impl<P: PowerSum> Interpolation<P> {
-    /// Return the powers in the middle if their estimated error is accepted; nodes are places in parts of the step and powers.
-    pub(super) fn middle(&self, nodes: [(f64, P); 4], accepted: f64) -> Option<P> {
-        let cubic = value_in_the_middle(&nodes);
-        let parabola = value_in_the_middle(&nodes[1..]);
-        is_below(cubic + parabola.scaled(-1.0), accepted).then_some(cubic)
-    }
-
     /// Use one of the permitted steps; false where the middle has to be evaluated.
     pub(super) fn take(&mut self) -> bool {
         let taken = self.left > 0;
@@ -50,6 +43,13 @@ impl<P: PowerSum> Interpolation<P> {
         };
         self.left = self.permitted;
     }
+}
+
+/// Return the powers in the middle of a step if their estimated error is accepted; nodes are places in parts of the step and powers.
+pub(super) fn middle<P: PowerSum>(nodes: [(f64, P); 4], accepted: f64) -> Option<P> {
+    let cubic = value_in_the_middle(&nodes);
+    let parabola = value_in_the_middle(&nodes[1..]);
+    is_below(cubic + parabola.scaled(-1.0), accepted).then_some(cubic)
 }
 
 /// Return whether the error of dissipated and external power is at most `accepted` \[W\].
