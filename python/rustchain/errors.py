@@ -32,11 +32,30 @@ class RustchainError(Exception):
 
 
 class InvalidInput(RustchainError, ValueError):
-    """A description or an argument is out of its allowed range."""
+    """A description or an argument is out of its allowed range.
+
+    Examples
+    --------
+    >>> try:
+    ...     rc.Link(mass=-1.0, inertia=1e-7)
+    ... except rc.InvalidInput as error:
+    ...     print(error)
+    Link.mass = -1: must be a positive number in kg
+    """
 
 
 class NotRecorded(RustchainError, LookupError):
-    """The run did not record the requested quantity."""
+    """The run did not record the requested quantity.
+
+    Examples
+    --------
+    >>> result = rc.Simulation(rc.paper_drive()).run(1e-4, record=["sprockets"], progress=False)
+    >>> try:
+    ...     result.hinge(1)
+    ... except rc.NotRecorded as error:
+    ...     print(error)
+    hinges were not recorded; pass record=(..., 'hinges') to run
+    """
 
 
 class MissingExtra(RustchainError, ImportError):
@@ -72,7 +91,16 @@ class RustchainWarning(UserWarning):
 
 
 class NoSuchPart(InvalidInput, IndexError):
-    """The scene has no hinge, strand, body or other part of this number or name."""
+    """The scene has no hinge, strand, body or other part of this number or name.
+
+    Examples
+    --------
+    >>> try:
+    ...     rc.Simulation(rc.paper_drive()).run(1e-4, progress=False).strand("uper")
+    ... except rc.NoSuchPart as error:
+    ...     print(error)
+    strand: 'uper' is no strand; did you mean 'upper'?
+    """
 
 
 class RangeWarning(RustchainWarning):

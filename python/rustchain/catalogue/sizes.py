@@ -80,6 +80,12 @@ class ChainSize:
         Smallest ultimate tensile strength [N].
     sources : mapping of str to str
         Where each number comes from: "standard", "makers", "limit", "typical" or "derived".
+
+    Examples
+    --------
+    >>> sizes = rc.chain_sizes()
+    >>> sizes["ANSI 40"].pitch
+    0.0127
     """
 
     name: str

@@ -22,6 +22,11 @@ class Link(Description):
         Mass [kg].
     inertia : float
         Moment of inertia about the middle of its two hinges [kg m^2].
+
+    Examples
+    --------
+    >>> rc.Link(mass=7e-3, inertia=1.5e-7)
+    Link(mass=0.007, inertia=1.5e-07)
     """
 
     mass: float

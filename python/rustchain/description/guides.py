@@ -43,6 +43,12 @@ class GuideArm(Description):
         Distance of the teeth of a ratchet along the path of the plunger [m], counted from the
         described position of the rail. The plunger can move out and is held behind the last tooth
         that it has passed. 0: it is held at any position. By default there is none.
+
+    Examples
+    --------
+    >>> arm = rc.GuideArm(pivot=(0.1, 0.05), force=40.0, stiffness=2e3, ratchet=1e-3)
+    >>> arm.damping
+    100.0
     """
 
     pivot: _Point

@@ -95,6 +95,12 @@ class DriveReport(HtmlView):
         Radial play of rollers on bushings [m], where rollers are bodies of their own.
     drive : ChainDrive, optional
         The drive.
+
+    Examples
+    --------
+    >>> report = rc.paper_drive(pretension=25.0).check()
+    >>> report.strands, report.wrap_pitches, report.tension_force
+    (('upper', 'lower'), (8, 9), 50.0)
     """
 
     links: int

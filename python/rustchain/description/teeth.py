@@ -112,6 +112,11 @@ class ToothLine(Description):
     ----------
     start, end : (float, float)
         Across the gap and outward through its middle, from the sprocket's centre [m].
+
+    Examples
+    --------
+    >>> rc.ToothLine(start=(3.8e-3, 33e-3), end=(5.8e-3, 38.5e-3))
+    ToothLine(start=(0.0038, 0.033), end=(0.0058, 0.0385))
     """
 
     start: Point
@@ -127,6 +132,11 @@ class ToothArc(Description):
     start, end, center : (float, float)
         Across the gap and outward through its middle, from the sprocket's centre [m]. With the
         centre on the left in the direction from start to end the arc is hollow, else convex.
+
+    Examples
+    --------
+    >>> rc.ToothArc(start=(0.0, 30.5e-3), end=(3.8e-3, 33e-3), center=(0.0, 34.5e-3))
+    ToothArc(start=(0.0, 0.0305), end=(0.0038, 0.033), center=(0.0, 0.0345))
     """
 
     start: Point
@@ -148,6 +158,19 @@ class CustomTooth(Description):
         Where the tooth is cut off [m]; without it, the pieces end level in the middle of the tooth.
     edge_radius : float, optional
         Radius of the edge of a cut tip [m]; by default 0.025 of the bushings' diameter.
+
+    Examples
+    --------
+    >>> pitch, seat, slope = 12.7e-3, 4.03e-3, np.radians(20.0)
+    >>> center = np.array([0.0, pitch / (2.0 * np.sin(np.pi / 17))])
+    >>> bottom = center - np.array([0.0, seat])
+    >>> tangent = center + seat * np.array([np.cos(slope), -np.sin(slope)])
+    >>> top = tangent + 6e-3 * np.array([np.sin(slope), np.cos(slope)])
+    >>> pieces = [rc.ToothArc(bottom, tangent, center), rc.ToothLine(tangent, top)]
+    >>> tooth = rc.CustomTooth(pieces, tip_diameter=75e-3)
+    >>> drive = rc.two_sprocket_drive("ANSI 40", teeth=(17, 17), links=60, profile=tooth)
+    >>> drive.check().teeth
+    (17, 17)
     """
 
     pieces: Sequence[ToothLine | ToothArc]

@@ -70,6 +70,12 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         see `tooth_jumps`. None where they are not counted: with ``hinges="ideal"``, in mechanisms.
     joint_names, contact_names : tuple of str
         Of mechanisms and of drives with ``hinges="ideal"``, in the order of the arrays.
+
+    Examples
+    --------
+    >>> result = rc.Simulation(rc.paper_drive()).run(2e-3, progress=False)
+    >>> result.status, result.time.size, result.hinge(6).force.shape
+    ('finished', 21, (21,))
     """
 
     arrays: Mapping[str, npt.NDArray[Any]]

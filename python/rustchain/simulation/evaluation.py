@@ -50,6 +50,13 @@ class Evaluation(ArrayValue):
     contact_gap, contact_region : ndarray of int, (contacts,)
         Of mechanisms and ideal hinges, of circles near teeth: the gap, from 0 (-1: none), and its
         region. Regions count from 1 along its outline (0: none); an ANSI gap has seven.
+
+    Examples
+    --------
+    >>> simulation = rc.Simulation(rc.paper_drive())
+    >>> found = simulation.evaluate()
+    >>> found.accelerations.shape, found.tooth_force.shape
+    ((40, 3), (38, 2))
     """
 
     accelerations: Array

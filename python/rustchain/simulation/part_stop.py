@@ -72,6 +72,14 @@ class JointForceAbove(_PartForceAbove):
         The limit [N].
     joint : str, optional
         Name of the joint or driver; by default any.
+
+    Examples
+    --------
+    >>> drive = rc.paper_drive(pretension=25.0, hinges="ideal")
+    >>> above = rc.JointForceAbove(5.0, "hinge_6")
+    >>> result = rc.Simulation(drive).run(0.1, stop=[above], progress=False)
+    >>> result.status
+    'stopped'
     """
 
     part: ClassVar[str] = "joint"
@@ -93,6 +101,14 @@ class ContactForceAbove(_PartForceAbove):
         The limit [N].
     contact : str, optional
         Name of the contact; by default any.
+
+    Examples
+    --------
+    >>> drive = rc.paper_drive(pretension=25.0, hinges="ideal")
+    >>> above = rc.ContactForceAbove(5.0)
+    >>> result = rc.Simulation(drive).run(0.1, stop=[above], progress=False)
+    >>> result.status
+    'stopped'
     """
 
     part: ClassVar[str] = "contact"

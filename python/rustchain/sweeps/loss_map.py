@@ -66,6 +66,14 @@ def loss_map(
     Dataset
         Over ``speed`` and ``torque``: ``efficiency``; ``lost`` [W] in all; ``loss`` [W], also over
         ``channel``, as in `Result.power_balance`; ``delivered`` [W] by sprocket `loaded`.
+
+    Examples
+    --------
+    >>> losses = rc.loss_map(
+    ...     rc.paper_drive(), [10.0, 20.0], [-1.0], duration=2e-3, burn_in=1e-3, progress=False
+    ... )
+    >>> dict(losses["efficiency"].sizes)
+    {'speed': 2, 'torque': 1}
     """
     from rustchain.extras import xarray as xr
 

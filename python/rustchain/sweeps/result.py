@@ -56,6 +56,18 @@ class SweepResult(ArrayValue, HtmlView):
         How many teeth the chain jumped, by the number of the case.
     status : {"finished", "interrupted"}
         How the sweep ended.
+
+    Examples
+    --------
+    >>> swept = rc.sweep(
+    ...     rc.paper_drive(),
+    ...     {"pretension": [0.0, 25.0]},
+    ...     lambda result: result.time.size,
+    ...     duration=1e-3,
+    ...     progress=False,
+    ... )
+    >>> swept.cases, list(swept.values)
+    ([{'pretension': 0.0}, {'pretension': 25.0}], [11, 11])
     """
 
     cases: list[Parameters]

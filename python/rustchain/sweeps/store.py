@@ -197,6 +197,19 @@ def load_sweep(store: str | Path) -> SweepResult:
     -----
     CaseWarning
         Files are damaged, or are no cases: how many, and the first.
+
+    Examples
+    --------
+    >>> _ = rc.sweep(
+    ...     rc.paper_drive(),
+    ...     {"pretension": [0.0, 25.0]},
+    ...     lambda result: result.time.size,
+    ...     duration=1e-3,
+    ...     store="runs",
+    ...     progress=False,
+    ... )
+    >>> len(rc.load_sweep("runs").cases)
+    2
     """
     folder = path_of(store, "store")
     if not folder.is_dir():

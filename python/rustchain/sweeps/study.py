@@ -49,6 +49,19 @@ class StudyResult(ArrayValue, HtmlView):
         That the interval of a mean holds the true one.
     burn_in : float
         Simulated time that was not measured [s].
+
+    Examples
+    --------
+    >>> found = rc.study(
+    ...     rc.paper_drive(),
+    ...     lambda result: result.peaks.hinge_force.max(),
+    ...     runs=2,
+    ...     duration=2e-3,
+    ...     burn_in=1e-3,
+    ...     progress=False,
+    ... )
+    >>> found.confidence, found.burn_in
+    (0.95, 0.001)
     """
 
     sweep: SweepResult

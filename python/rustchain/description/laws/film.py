@@ -32,6 +32,13 @@ class LubricantFilm(Description):
         Largest tension of the film before it breaks [Pa]: the pressure may fall by that much below
         the ambient pressure. By default it is the atmospheric pressure; capillarity alone gives
         some 2e3. Zero: the half film of textbooks, which has a kink at zero velocity.
+
+    Examples
+    --------
+    >>> oil = rc.LubricantFilm(viscosity=0.1)
+    >>> law = rc.LankaraniNikravesh(film=oil)
+    >>> law.film.handover
+    0.9
     """
 
     viscosity: float

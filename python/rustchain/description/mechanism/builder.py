@@ -47,6 +47,16 @@ class Mechanism(WithJoints, WithForces, WithContacts, HtmlView):
         For people to read.
     bodies, joints, forces, contacts : sequences of parts
         Kept as tuples. Parts, as the methods ``add_...`` make them; by default none.
+
+    Examples
+    --------
+    >>> pendulum = rc.Mechanism()
+    >>> pendulum.add_body("bar", mass=1.0, inertia=0.1, position=(0.5, 0.0, 0.0))
+    'bar'
+    >>> pendulum.add_revolute("pin", "ground", "bar", at=(0.0, 0.0))
+    >>> result = rc.Simulation(pendulum).run(0.1, progress=False)
+    >>> result.body("bar").position.shape
+    (1001, 3)
     """
 
     _frozen: ClassVar[bool] = False  # of the class; frozen mechanisms have their own

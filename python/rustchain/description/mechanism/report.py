@@ -33,6 +33,15 @@ class MechanismReport(HtmlView):
         Warnings, as text.
     mechanism : Mechanism, optional
         The mechanism.
+
+    Examples
+    --------
+    >>> pendulum = rc.Mechanism()
+    >>> pendulum.add_body("bar", mass=1.0, inertia=0.1, position=(0.5, 0.0, 0.0))
+    'bar'
+    >>> pendulum.add_revolute("pin", "ground", "bar", at=(0.0, 0.0))
+    >>> pendulum.check().degrees_of_freedom
+    1
     """
 
     degrees_of_freedom: int
