@@ -109,7 +109,7 @@ class Translated:
                     )
                 )
             case other:
-                raise NotImplementedError(other)
+                raise ValueError(other)  # no such part is made here
 
     def _rotations(self, joint: Any) -> None:
         """Add a gear, or a driver whose speed is one sine without phase."""
@@ -157,7 +157,7 @@ class Translated:
                             items.LoadTorqueVector(markerNumber=marker, loadVector=torque)
                         )
             case other:
-                raise NotImplementedError(other)
+                raise ValueError(other)  # no such part is made here
 
     def _spring(self, force: Any) -> None:
         a, b, cubic = force.body_a, force.body_b, force.cubic
