@@ -189,9 +189,14 @@ def _through_teeth(drive: rc.ChainDrive, arrays: dict[str, Array]) -> Iterator[F
 
 
 def _bushings(drive: rc.ChainDrive, poses: Array) -> Array:
-    """Return the centres of the hinges at the fronts of all links [m], (times, links, 2)."""
+    """Return the centres of the hinges at the fronts of links [m], (times, links, 2).
+
+    A free end behind an outer link, every second one, has no bushing.
+    """
     links = drive.chain.links
-    half = 0.5 * drive.chain.link_pitches[:, None]
+    if drive.ends is not None and isinstance(drive.ends[1], rc.FreeEnd) and links % 2 == 0:
+        links -= 1
+    half = 0.5 * drive.chain.link_pitches[:links, None]
     return poses[:, :links, :2] + half * _unit(poses[:, :links, 2])
 
 
