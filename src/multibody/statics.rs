@@ -14,8 +14,9 @@ use crate::math::Signal;
 impl MechanismModel {
     /// Return whether a contact or pin has friction, or a contact a lubricant film, which a model at rest leaves out.
     pub(crate) fn has_friction(&self) -> bool {
-        let rubs = |contact: &CompiledContact| contact.friction.is_some() || contact.film.is_some();
-        self.contacts.iter().any(rubs) || !self.pins.is_empty() || self.bristles > 0
+        let resists =
+            |contact: &CompiledContact| contact.friction.is_some() || contact.film.is_some();
+        self.contacts.iter().any(resists) || !self.pins.is_empty() || self.bristles > 0
     }
 
     /// Return the model with its drivers held at their initial positions, and torques over speed at the initial speeds.
