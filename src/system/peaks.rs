@@ -33,11 +33,12 @@ impl Peaks {
     /// Add the trapezoid between the previous forces and these to the impulses.
     fn account(&mut self, t: f64, forces: &[f64]) {
         let half = 0.5 * (t - self.time);
-        for (i, &force) in forces.iter().enumerate() {
-            self.force[i] = self.force[i].max(force);
-            self.impulse[i] += half * (self.last[i] + force);
+        let sums = self.force.iter_mut().zip(&mut self.impulse);
+        for ((largest, impulse), (last, &force)) in sums.zip(self.last.iter_mut().zip(forces)) {
+            *largest = largest.max(force);
+            *impulse += half * (*last + force);
+            *last = force;
         }
-        self.last.copy_from_slice(forces);
         self.time = t;
     }
 

@@ -90,7 +90,9 @@ impl SprocketCandidates {
     /// Return (slot, bushing) of all candidates, in a chain of `links` links.
     pub(crate) fn bushings(&self, links: usize) -> impl Iterator<Item = (usize, usize)> {
         self.runs.iter().flat_map(move |run| {
-            (0..run.length).map(move |i| (run.slot + i, (run.first + i) % links))
+            // Runs may reach past the last bushing, once. A division by `links` would take longer than all else here.
+            let past = move |k: usize| if k < links { k } else { k - links };
+            (0..run.length).map(move |i| (run.slot + i, past(run.first + i)))
         })
     }
 

@@ -249,22 +249,24 @@ impl Dynamics {
     fn find_tooth_onsets(&mut self, adams: &Adams, step: &Step) {
         let model = &self.model;
         let mut begun = std::mem::take(&mut self.events.begun);
-        for (s, k, depth, _) in self.kernels.tooth_contacts(model) {
+        let memory = &mut self.memory;
+        let contacts = self.kernels.tooth_contacts(model);
+        contacts.for_each(|(s, k, depth, _)| {
             let pair = s * model.links + k;
             let touching = depth > 0.0;
-            if touching == (self.memory.tooth_impact_velocity[pair] > 0.0) {
-                continue;
+            if touching == (memory.tooth_impact_velocity[pair] > 0.0) {
+                return;
             }
             if touching {
                 let path = ToothPath::new(model, adams, k, s);
                 let contact = |t| path.at(t).contact;
                 let (t, rate) = onset_in_step(contact, step.start, step.end);
-                self.memory.begin_tooth(pair, rate, path.at(t).surface);
+                memory.begin_tooth(pair, rate, path.at(t).surface);
                 begun.push((s, k));
             } else {
                 self.events.parted.push(Pair::Tooth(pair));
             }
-        }
+        });
         for (s, k) in begun.drain(..) {
             self.kernels
                 .candidates

@@ -13,12 +13,12 @@ impl Dynamics {
         let of = |bodies: &[usize]| body.is_none_or(|body| bodies.contains(&body));
         let hinges = (0..n)
             .filter(|&k| body.is_none_or(|body| body >= n) || of(&[k, (k + 1) % n]))
-            .map(|k| (self.kernels.hinge_force(k), format!("hinge {}", k + 1)));
+            .map(|k| (self.kernels.hinge_forces(model)[k], format!("hinge {}", k + 1)));
         let rollers = (0..model.roller_count())
             .filter(|&k| of(&[n + k, model.link_of_bushing(k)]))
             .map(|k| {
                 let name = format!("bushing {0} in roller {0}", k + 1);
-                (self.kernels.roller_force(k), name)
+                (self.kernels.roller_forces(model)[k], name)
             });
         let meets_teeth = |k: usize| match &model.rollers {
             Some(_) => n + k,
@@ -44,24 +44,19 @@ impl Dynamics {
 
     /// Write the normal force of every hinge at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_hinge_forces(&self, forces: &mut [f64]) {
-        for (k, force) in forces.iter_mut().enumerate() {
-            *force = self.kernels.hinge_force(k);
-        }
+        forces.copy_from_slice(self.kernels.hinge_forces(&self.model));
     }
 
     /// Write the normal force of every bushing in its roller at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_roller_forces(&self, forces: &mut [f64]) {
-        for (k, force) in forces.iter_mut().enumerate() {
-            *force = self.kernels.roller_force(k);
-        }
+        forces.copy_from_slice(self.kernels.roller_forces(&self.model));
     }
 
     /// Write the tooth force on every bushing, summed over all sprockets, at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_tooth_forces(&self, forces: &mut [f64]) {
         forces.fill(0.0);
-        for (_, k, _, force) in self.kernels.tooth_contacts(&self.model) {
-            forces[k] += force;
-        }
+        let contacts = self.kernels.tooth_contacts(&self.model);
+        contacts.for_each(|(_, k, _, force)| forces[k] += force);
     }
 
     /// Return sprocket, bushing, penetration \[m\] (zero where apart) and normal force \[N\] of every candidate.
@@ -79,15 +74,17 @@ impl Dynamics {
 
     /// Return penetration \[m\] (zero where apart) and normal force \[N\] of every hinge at the last evaluation of the right-hand side.
     pub fn hinge_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
-        let depths = self.kernels.hinge_depths(&self.model).iter().enumerate();
-        depths.map(|(k, &depth)| (depth, self.kernels.hinge_force(k)))
+        let (kernels, model) = (&self.kernels, &self.model);
+        let forces = kernels.hinge_forces(model).iter().copied();
+        kernels.hinge_depths(model).iter().copied().zip(forces)
     }
 
     /// Return penetration \[m\] (zero where apart) and normal force \[N\] of every bushing in its roller.
     ///
     /// The values are those of the last evaluation of the right-hand side.
     pub fn roller_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
-        let depths = self.kernels.roller_depths(&self.model).iter().enumerate();
-        depths.map(|(k, &depth)| (depth, self.kernels.roller_force(k)))
+        let (kernels, model) = (&self.kernels, &self.model);
+        let forces = kernels.roller_forces(model).iter().copied();
+        kernels.roller_depths(model).iter().copied().zip(forces)
     }
 }

@@ -39,15 +39,15 @@ impl Kernels {
         rollers.map_or(&[], |rollers| &rollers.arrays.depth[..model.links])
     }
 
-    /// Return the normal force of bushing `k` in its roller at the last evaluation \[N\].
-    pub(crate) fn roller_force(&self, k: usize) -> f64 {
+    /// Return the normal force of every bushing in its roller at the last evaluation \[N\].
+    pub(crate) fn roller_forces(&self, model: &Model) -> &[f64] {
         let rollers = self.rollers.as_ref();
-        rollers.map_or(0.0, |rollers| rollers.arrays.force[k])
+        rollers.map_or(&[], |rollers| &rollers.arrays.force[..model.links])
     }
 
-    /// Return the normal force of hinge `k` at the last evaluation \[N\].
-    pub(crate) fn hinge_force(&self, k: usize) -> f64 {
-        self.chain.force[k]
+    /// Return the normal force of every hinge at the last evaluation \[N\].
+    pub(crate) fn hinge_forces(&self, model: &Model) -> &[f64] {
+        &self.chain.force[..model.links]
     }
 
     /// Return sprocket, bushing, penetration \[m\] and normal force \[N\] of every candidate at the last evaluation.
