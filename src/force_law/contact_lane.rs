@@ -99,6 +99,20 @@ impl<R: Real> ContactLane<R> {
         let slope = self.elastic * lambda * damped.inverse_impact_velocity;
         [stiffness * damped.factor, constant.select(zero, slope)]
     }
+
+    /// Return the slopes of [`Self::power`] with penetration \[W/m\] and rate \[W s/m\]. `alone` is the slope of the elastic force, `slopes`
+    /// those of the force.
+    #[inline(always)]
+    pub(crate) fn power_slopes(&self, alone: R, [stiffness, damping]: [R; 2]) -> [R; 2] {
+        match &self.damped {
+            // P = (f - f_e) v: ∂P/∂δ = (∂f/∂δ - ∂f_e/∂δ) v and ∂P/∂v = f - f_e + v ∂f/∂v.
+            Some(Damped { rate, .. }) => [
+                (stiffness - alone) * *rate,
+                rate.mul_add(damping, self.force - self.elastic),
+            ],
+            None => [alone.constant(0.0); 2],
+        }
+    }
 }
 
 #[cfg(test)]

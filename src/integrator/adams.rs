@@ -156,11 +156,13 @@ impl Adams {
         self.history.differences.write_slope(slope);
     }
 
-    /// Return whether the last evaluation was made at a value that differs from [`Self::y`] by about the tolerance: the predicted
-    /// value of a step with one unmeasured correction.
+    /// Return γ \[s\] and the velocities of the last step's correction, where its last evaluation was made before it: at the predicted value
+    /// of a step with one unmeasured correction, which differs from [`Self::y`] by about the tolerance.
     #[must_use]
-    pub fn evaluation_differs_from_solution(&self) -> bool {
-        self.convergence.unmeasured
+    pub fn correction_after_evaluation(&self) -> Option<(f64, &[f64])> {
+        let velocities = self.vectors.dimension / 2;
+        (self.convergence.unmeasured)
+            .then(|| (self.convergence.gamma, &self.vectors.residual[..velocities]))
     }
 
     /// Return the counts of work.

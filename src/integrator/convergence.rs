@@ -49,6 +49,8 @@ pub(super) struct NewtonConvergence {
     contraction: f64,
     /// Whether the last step ended with its first correction.
     pub(super) unmeasured: bool,
+    /// γ of the last step that did \[s\].
+    pub(super) gamma: f64,
 }
 
 impl NewtonConvergence {
@@ -56,6 +58,7 @@ impl NewtonConvergence {
         Self {
             contraction: f64::INFINITY,
             unmeasured: false,
+            gamma: 0.0,
         }
     }
 

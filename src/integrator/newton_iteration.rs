@@ -101,6 +101,7 @@ impl Adams {
                 let (control, convergence) = (&self.control, &mut self.convergence);
                 // The second correction, c |Δ₁|², may be negligible by the constant c of earlier steps.
                 if convergence.may_skip_second_correction(control, size, safety_factor) {
+                    self.convergence.gamma = gamma;
                     return Some(self.finish_corrector(nq, gamma, applied.distance));
                 }
                 size

@@ -13,7 +13,12 @@ impl Dynamics {
         let of = |bodies: &[usize]| body.is_none_or(|body| bodies.contains(&body));
         let hinges = (0..n)
             .filter(|&k| body.is_none_or(|body| body >= n) || of(&[k, (k + 1) % n]))
-            .map(|k| (self.kernels.hinge_forces(model)[k], format!("hinge {}", k + 1)));
+            .map(|k| {
+                (
+                    self.kernels.hinge_forces(model)[k],
+                    format!("hinge {}", k + 1),
+                )
+            });
         let rollers = (0..model.roller_count())
             .filter(|&k| of(&[n + k, model.link_of_bushing(k)]))
             .map(|k| {

@@ -6,7 +6,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::Dynamics;
+use super::{Dynamics, Powers};
 use crate::integrator::{Adams, Step};
 use crate::math::simd::{Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
 
@@ -126,6 +126,30 @@ impl Dynamics {
         }
     }
 
+    /// Change the powers of the last evaluation, which wrote slopes, to those at (`t`, `y`): after the last correction of the velocities with
+    /// its γ. To second order in the rates, to first order in all else.
+    pub fn correct_powers(
+        &mut self,
+        (t, y): (f64, &[f64]),
+        (gamma, correction): (f64, &[f64]),
+    ) -> Powers {
+        let border = &correction[3 * self.model.links..self.model.coordinates];
+        let (end, correction) = ((t, y), (gamma, border));
+        self.powers = (self.kernels).corrected_powers(&self.model, &self.powers, end, correction);
+        self.powers
+    }
+
+    /// Return the powers at (`t`, `y`); `rates` is scratch for the rates of bristles.
+    fn powers_at(&mut self, t: f64, y: &[f64], rates: &mut [f64]) -> Powers {
+        (self.kernels).powers(&self.model, &self.memory, t, y, rates)
+    }
+
+    /// Return whether the slopes of all powers are known: damped contacts of hinges and teeth alone.
+    fn has_power_slopes(&self) -> bool {
+        let model = &self.model;
+        !model.has_moments() && model.rollers.is_none() && model.ends.is_none()
+    }
+
     /// Add the energies of the last step, while energy is kept. Call it last: it evaluates the right-hand side inside the step, so that the
     /// contacts of the last evaluation are then not those of the step's end.
     ///
@@ -143,9 +167,13 @@ impl Dynamics {
         self.ends.end(adams);
         let length = step.end - step.start;
         let coordinates = self.model.coordinates;
-        if adams.evaluation_differs_from_solution() {
-            self.accelerate(step.end, adams.y(), &mut slope[coordinates..]);
-            quadrature.count_evaluation();
+        if let Some((gamma, correction)) = adams.correction_after_evaluation() {
+            if smooth && self.has_power_slopes() {
+                self.correct_powers((step.end, adams.y()), (gamma, correction));
+            } else {
+                self.powers = self.powers_at(step.end, adams.y(), &mut slope[coordinates..]);
+                quadrature.count_evaluation();
+            }
         }
         let at_end = self.powers;
         quadrature.add_step(step, (at_end, smooth), |part, t| {
@@ -155,8 +183,7 @@ impl Dynamics {
                 length,
                 y: &mut y,
             });
-            self.accelerate(t, &y[..slope.len()], &mut slope[coordinates..]);
-            self.powers
+            self.powers_at(t, &y[..slope.len()], &mut slope[coordinates..])
         });
         self.ends.advance();
         (self.quadrature, self.inside, self.slope) = (quadrature, y, slope);

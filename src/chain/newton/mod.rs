@@ -18,6 +18,7 @@ mod film;
 mod link_ends;
 mod link_group;
 mod links;
+mod power_change;
 mod ring;
 mod roller_group;
 mod rollers;
@@ -33,6 +34,7 @@ use correct::Correct;
 use film::assemble_film_compliance;
 use link_group::Linked;
 use links::{Border, LinkTerms, RightHand};
+use power_change::{CorrectedEnds, PowerChange};
 use ring::{HingeBlocks, Ring};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};
@@ -41,6 +43,7 @@ use super::rhs::layout::{ChainArrays, FIRST, LinkConstants};
 use super::rhs::pose::SprocketPose;
 use super::rhs::slopes::Slopes;
 use crate::chain::contact::Candidates;
+use crate::chain::dynamics::SprocketLoad;
 use crate::chain::model::Model;
 use crate::math::simd::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, parts, read};
 
@@ -76,6 +79,8 @@ pub(crate) struct NewtonMatrix {
     sums: Vec<PartialSums>,
     /// Scratch: solutions of the links.
     unknowns: Border,
+    /// Scratch: corrections of the links' ends.
+    corrected: CorrectedEnds,
 }
 
 /// Data of the last evaluation of the right-hand side from which the matrix is assembled.
@@ -118,6 +123,7 @@ impl NewtonMatrix {
             sums: vec![PartialSums::default(); border],
             corner: Corner::new(border),
             unknowns: three(),
+            corrected: CorrectedEnds::new(n),
         }
     }
 
@@ -160,6 +166,29 @@ impl NewtonMatrix {
                 residual,
             });
         }
+    }
+
+    /// Return the changes of the powers of hinges and teeth \[W\] with the last correction, whose part on the border is `border`; add those
+    /// of the loads on the sprockets to `loads`. The matrix must still be that of the last evaluation, without friction and rollers.
+    pub(crate) fn power_change(
+        &mut self,
+        model: &Model,
+        evaluated: &Evaluated,
+        (gamma, border): (f64, &[f64]),
+        loads: &mut [SprocketLoad],
+    ) -> [f64; 2] {
+        evaluated.instructions.run(PowerChange {
+            matrix: self,
+            links: model.links,
+            gamma,
+            constants: evaluated.constants,
+            chain: evaluated.chain,
+            candidates: &evaluated.candidates.sprockets,
+            overhang: evaluated.candidates.overhang,
+            poses: evaluated.poses,
+            border,
+            loads,
+        })
     }
 
     /// Add the contacts on all teeth to the bushings' blocks and to the border; eliminate the rollers.

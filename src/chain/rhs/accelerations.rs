@@ -64,8 +64,8 @@ impl Kernels {
         }
     }
 
-    /// Write the prescribed accelerations of the ends of an open chain; return the external power at the ends \[W\].
-    pub(super) fn move_ends(&self, ends: &OpenEnds, t: f64, accelerations: &mut [f64]) -> f64 {
+    /// Write the prescribed accelerations of the ends of an open chain.
+    pub(super) fn move_ends(ends: &OpenEnds, t: f64, accelerations: &mut [f64]) {
         let n = ends.links + 2;
         for end in &ends.bodies {
             if let Some(given) = end.given_acceleration(t) {
@@ -77,7 +77,6 @@ impl Kernels {
                 ) = (given.x, given.y, 0.0);
             }
         }
-        ends.external_work(self.on_ends(ends), t)
     }
 
     /// Return the force of the chain on both ends of an open chain at the last evaluation \[N\].

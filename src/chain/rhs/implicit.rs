@@ -1,6 +1,7 @@
 //! Implicit steps: slopes for Newton's matrix, its factors and corrections, and bristles as local unknowns.
 
 use super::{Kernels, on_teeth};
+use crate::chain::dynamics::Powers;
 use crate::chain::model::Model;
 use crate::chain::newton::{Evaluated, NewtonMatrix};
 
@@ -26,7 +27,17 @@ impl Kernels {
         gamma: f64,
         indefinite: bool,
     ) -> bool {
-        let evaluated = Evaluated {
+        let Some(mut newton) = self.newton.take() else {
+            return false;
+        };
+        let factorised = newton.factorise(model, &self.evaluated(pawls, indefinite), gamma);
+        self.newton = Some(newton);
+        factorised
+    }
+
+    /// Return the data of the last evaluation that Newton's matrix uses.
+    fn evaluated<'a>(&'a self, pawls: &'a [f64], indefinite: bool) -> Evaluated<'a> {
+        Evaluated {
             instructions: self.instructions,
             constants: &self.links,
             chain: &self.chain,
@@ -35,10 +46,31 @@ impl Kernels {
             poses: &self.poses,
             pawls,
             indefinite,
-        };
-        self.newton
-            .as_mut()
-            .is_some_and(|newton| newton.factorise(model, &evaluated, gamma))
+        }
+    }
+
+    /// Return the powers at (`t`, `y`), where `y` is the last evaluated state after a correction with γ, whose part on the border is
+    /// `border`. `powers` are those of the last evaluation.
+    pub(crate) fn corrected_powers(
+        &mut self,
+        model: &Model,
+        powers: &Powers,
+        (t, y): (f64, &[f64]),
+        (gamma, border): (f64, &[f64]),
+    ) -> Powers {
+        let mut losses = powers.losses;
+        let mut loads = std::mem::take(&mut self.loads);
+        if let Some(mut newton) = self.newton.take() {
+            let evaluated = self.evaluated(&[], false);
+            let [hinges, teeth] =
+                newton.power_change(model, &evaluated, (gamma, border), &mut loads);
+            self.newton = Some(newton);
+            losses.hinge_contact += hinges;
+            losses.tooth_contact += teeth;
+        }
+        self.loads = loads;
+        self.place_sprockets(model, t, y);
+        self.all_powers(model, losses, t)
     }
 
     /// Overwrite a residual of the velocities with the correction, the solution with the last matrix.

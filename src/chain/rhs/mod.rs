@@ -141,30 +141,59 @@ impl Kernels {
         y: &[f64],
         accelerations: &mut [f64],
     ) -> Powers {
-        let (moved_squared, mut losses) =
-            self.evaluate_joints::<ENERGY>(model, memory, y, accelerations);
-        self.evaluate_all_teeth::<ENERGY>(
-            model,
-            memory,
-            (y, moved_squared),
-            accelerations,
-            &mut losses,
-        );
+        let losses = self.evaluate_forces::<ENERGY>(model, memory, y, accelerations);
         self.put_bristles(model, accelerations);
         self.accelerate_links(model, accelerations);
         self.accelerate_rollers(model, accelerations);
-        let moved = model
-            .ends
-            .as_ref()
-            .map_or(0.0, |ends| self.move_ends(ends, t, accelerations));
+        if let Some(ends) = &model.ends {
+            Self::move_ends(ends, t, accelerations);
+        }
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
-        let mut powers = Powers::of(losses);
         if ENERGY {
-            powers.external_work += moved;
-            for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
-            {
-                powers += outside_powers(sprocket, &pose.moves(), load, t);
-            }
+            self.all_powers(model, losses, t)
+        } else {
+            Powers::default()
+        }
+    }
+
+    /// Return the powers at (`t`, `y`) without accelerations. `bristle_rates` as for [`Self::evaluate_joints`].
+    pub(crate) fn powers(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        t: f64,
+        y: &[f64],
+        bristle_rates: &mut [f64],
+    ) -> Powers {
+        self.place_sprockets(model, t, y);
+        let losses = self.evaluate_forces::<true>(model, memory, y, bristle_rates);
+        self.all_powers(model, losses, t)
+    }
+
+    /// Evaluate the forces of all contacts at `y`; return the losses.
+    fn evaluate_forces<const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        y: &[f64],
+        bristle_rates: &mut [f64],
+    ) -> Losses {
+        let (moved_squared, mut losses) =
+            self.evaluate_joints::<ENERGY>(model, memory, y, bristle_rates);
+        let at = (y, moved_squared);
+        self.evaluate_all_teeth::<ENERGY>(model, memory, at, bristle_rates, &mut losses);
+        losses
+    }
+
+    /// Return all powers: those of the contacts, and those of moving ends, motors, applied torques, tensioners and dashpots with the present
+    /// motion and loads.
+    fn all_powers(&self, model: &Model, losses: Losses, t: f64) -> Powers {
+        let mut powers = Powers::of(losses);
+        if let Some(ends) = &model.ends {
+            powers.external_work += ends.external_work(self.on_ends(ends), t);
+        }
+        for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads) {
+            powers += outside_powers(sprocket, &pose.moves(), load, t);
         }
         powers
     }

@@ -7,7 +7,7 @@ use pulp::Simd;
 
 use crate::chain::contact::Candidates;
 use crate::chain::model::Model;
-use crate::math::simd::{Lanes, Octet, WIDTH};
+use crate::math::simd::{Lanes, Octet, WIDTH, write};
 
 /// Slopes of the forces of eight contacts; all zero without contact.
 #[derive(Debug, Clone, Copy, Default)]
@@ -22,6 +22,8 @@ pub(crate) struct SlopeGroup {
     pub(crate) damping: Octet,
     /// κ, rotation of the normal per displacement across it \[1/m\].
     pub(crate) curvature: Octet,
+    /// Slopes of the power dissipated by damping with penetration \[W/m\] and penetration rate \[W s/m\], where energy is kept.
+    pub(crate) power: [Octet; 2],
 }
 
 /// Slopes of the friction of eight contacts with their sliding velocity, and the contact points.
@@ -107,13 +109,21 @@ pub(crate) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize
     (&mut groups[i / parts], i % parts)
 }
 
+/// Return the group that contains vector `i` of contacts for reading, and the vector's number in the group.
+#[inline(always)]
+pub(crate) fn group_at<S: Simd, T>(groups: &[T], i: usize) -> (&T, usize) {
+    let parts = WIDTH / S::F64_LANES;
+    (&groups[i / parts], i % parts)
+}
+
 impl SlopeGroup {
-    /// Write vector `part`: n, force, slopes with penetration and rate, κ.
+    /// Write vector `part`: n, force, slopes with penetration and rate, κ; with `ENERGY` the slopes of the power, too.
     #[inline(always)]
-    pub(super) fn put<S: Simd>(
+    pub(super) fn put<S: Simd, const ENERGY: bool>(
         &mut self,
         part: usize,
         [nx, ny, force, stiffness, damping, curvature]: [Lanes<S>; 6],
+        power: [Lanes<S>; 2],
     ) {
         self.normal[0].put(part, nx);
         self.normal[1].put(part, ny);
@@ -121,5 +131,8 @@ impl SlopeGroup {
         self.stiffness.put(part, stiffness);
         self.damping.put(part, damping);
         self.curvature.put(part, curvature);
+        if ENERGY {
+            write(&mut self.power, part, power);
+        }
     }
 }

@@ -237,7 +237,7 @@ impl<
             run.force[b] = zero.values();
             if let Some(slopes) = &mut run.slopes {
                 let (group, part) = group_of::<S, _>(slopes, b);
-                group.put(part, [zero; 6]);
+                group.put::<S, ENERGY>(part, [zero; 6], [zero; 2]);
             }
             if FRICTION {
                 run.friction_arrays.friction[b] = zero.values();
@@ -292,9 +292,12 @@ impl<
             self.sums[3].add(b, contact.power());
         }
         if let Some(slopes) = &mut run.slopes {
-            let [stiffness, damping] = contact.slopes(L::slope(law_constants, depth, elastic));
+            let alone = L::slope(law_constants, depth, elastic);
+            let [stiffness, damping] = contact.slopes(alone);
+            let entries = [nx, ny, force, stiffness, damping, curvature];
+            let power = contact.power_slopes(alone, [stiffness, damping]);
             let (group, part) = group_of::<S, _>(slopes, b);
-            group.put(part, [nx, ny, force, stiffness, damping, curvature]);
+            group.put::<S, ENERGY>(part, entries, power);
         }
         run.depth[b] = depth.values();
         run.force[b] = force.values();

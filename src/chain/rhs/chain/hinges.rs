@@ -237,7 +237,7 @@ impl<
             }
             if let Some(slopes) = &mut self.slopes {
                 let (group, part) = group_of::<S, _>(slopes, i);
-                group.put(part, [zero; 6]);
+                group.put::<S, ENERGY>(part, [zero; 6], [zero; 2]);
             }
             if FRICTION {
                 self.write_zero_friction(i);
@@ -287,8 +287,10 @@ impl<
                 // Series of stiffness k and compliance c: k/(1 + c k).
                 stiffness = stiffness / load(simd, &compliance[i]).mul_add(alone, one);
             }
+            let entries = [nx, ny, force, stiffness, damping, inverse_distance];
+            let power = contact.power_slopes(alone, [stiffness, damping]);
             let (group, part) = group_of::<S, _>(slopes, i);
-            group.put(part, [nx, ny, force, stiffness, damping, inverse_distance]);
+            group.put::<S, ENERGY>(part, entries, power);
         }
         let mut pull = [force * nx, force * ny];
         if FRICTION {

@@ -1,0 +1,213 @@
+//! Change of the powers of the contacts, and of the loads on the sprockets, with the last correction, to first order.
+//!
+//! A step of Newton's method with one correction has its last evaluation at the prediction. A correction Δv changes the penetration rate of a
+//! contact by n·Δv, with the relative velocity of its two points, and its penetration by γ n·Δv. Slopes of force and power are those of
+//! the evaluation.
+
+use pulp::{Simd, WithSimd};
+
+use super::tooth_motion::BorderMotion;
+use super::{NewtonMatrix, SprocketMotions};
+use crate::chain::contact::SprocketCandidates;
+use crate::chain::dynamics::SprocketLoad;
+use crate::chain::rhs::layout::{ChainArrays, LinkConstants};
+use crate::chain::rhs::pose::SprocketPose;
+use crate::chain::rhs::slopes::{SlopeGroup, group_at};
+use crate::geometry::Vec2;
+use crate::math::simd::{
+    Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, splat_two, vectors,
+    vectors_mut,
+};
+
+/// Corrections of the velocities of the links' ends and of the bushings, for scratch.
+#[derive(Debug, Clone)]
+pub(super) struct CorrectedEnds {
+    /// Fronts, x and y, and rears; a copy of the first rear follows the last. The fifth array is that of friction and not used.
+    links: [Numbers; 5],
+    /// Bushings, x and y; copies of the first ones follow the last.
+    bushings: [Numbers; 2],
+}
+
+impl CorrectedEnds {
+    /// Allocate the ends of `links`.
+    pub(super) fn new(links: usize) -> Self {
+        let zeros = || padded_zeros(padded(2 * links + 3 * WIDTH));
+        Self {
+            links: [(); 5].map(|()| zeros()),
+            bushings: [zeros(), zeros()],
+        }
+    }
+}
+
+/// Kernel of [`NewtonMatrix::power_change`]: return the changes of the powers of hinges and teeth \[W\], and add those of the loads on the
+/// sprockets.
+pub(super) struct PowerChange<'a> {
+    pub(super) matrix: &'a mut NewtonMatrix,
+    pub(super) links: usize,
+    pub(super) gamma: f64,
+    pub(super) constants: &'a LinkConstants,
+    pub(super) chain: &'a ChainArrays,
+    pub(super) candidates: &'a [SprocketCandidates],
+    pub(super) overhang: usize,
+    pub(super) poses: &'a [SprocketPose],
+    /// Corrections of the coordinates on the border.
+    pub(super) border: &'a [f64],
+    pub(super) loads: &'a mut [SprocketLoad],
+}
+
+impl WithSimd for PowerChange<'_> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
+        let Self { matrix, gamma, .. } = self;
+        let NewtonMatrix {
+            slopes,
+            links,
+            unknowns,
+            corrected,
+            motions,
+            ..
+        } = matrix;
+        links.write_ends::<S, false>(simd, unknowns, &mut corrected.links);
+        for rear in &mut corrected.links[2..4] {
+            rear[self.links] = rear[0];
+        }
+        let of_hinges = hinges::<S>(
+            simd,
+            (gamma, &slopes.hinges.normal),
+            &self.constants.bushing_on_front,
+            corrected,
+        );
+        for bushing in &mut corrected.bushings {
+            bushing.copy_within(..self.overhang, self.links);
+        }
+        let mut of_teeth = 0.0;
+        for (s, load) in self.loads.iter_mut().enumerate() {
+            let teeth = Teeth {
+                gamma,
+                slopes: &slopes.teeth[s].normal,
+                candidates: &self.candidates[s],
+                pose: &self.poses[s],
+                bushing: &self.chain.bushing,
+                correction: &corrected.bushings,
+            };
+            let [power, x, y, moment] = teeth.sums(simd, moved(&motions[s], self.border));
+            of_teeth += power;
+            load.force += Vec2::new(x, y);
+            load.moment += moment;
+        }
+        [of_hinges, of_teeth]
+    }
+}
+
+/// Return the corrections of the velocity of a sprocket's centre, x and y, and of its angular velocity.
+fn moved(of: &SprocketMotions, border: &[f64]) -> [f64; 3] {
+    let mut moved = [0.0; 3];
+    for (motion, &correction) in of.motions.iter().zip(border.iter().skip(of.first)) {
+        match motion {
+            BorderMotion::Along([x, y]) => {
+                moved[0] += x * correction;
+                moved[1] += y * correction;
+            }
+            BorderMotion::Turn => moved[2] += correction,
+        }
+    }
+    moved
+}
+
+/// Return the change of the power of the hinges; write the corrections of the bushings.
+#[inline(always)]
+fn hinges<S: Simd>(
+    simd: S,
+    (gamma, slopes): (f64, &[SlopeGroup]),
+    on_front: &[f64],
+    ends: &mut CorrectedEnds,
+) -> f64 {
+    let (gamma, zero) = (Lanes::splat(simd, gamma), Lanes::splat(simd, 0.0));
+    let blocks = slopes.len() * WIDTH / S::F64_LANES;
+    let [front_x, front_y, rear_x, rear_y, _] = &ends.links;
+    let front = [front_x, front_y].map(|front| vectors::<S>(front, blocks));
+    // Hinge k joins the front of link k to the rear of link k + 1.
+    let rear = [rear_x, rear_y].map(|rear| vectors::<S>(&rear[1..], blocks));
+    let on_front = vectors::<S>(on_front, blocks);
+    let [bushing_x, bushing_y] = &mut ends.bushings;
+    let bushing_x = vectors_mut::<S>(bushing_x, blocks);
+    let bushing_y = vectors_mut::<S>(bushing_y, blocks);
+    let mut power = PartialSums::default();
+    for i in 0..blocks {
+        let front = front.map(|front| load(simd, &front[i]));
+        let rear = rear.map(|rear| load(simd, &rear[i]));
+        let of_front = load(simd, &on_front[i]).greater(zero);
+        bushing_x[i] = of_front.select(front[0], rear[0]).values();
+        bushing_y[i] = of_front.select(front[1], rear[1]).values();
+        let (group, part) = group_at::<S, _>(slopes, i);
+        let [nx, ny] = read(simd, &group.normal, part);
+        let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
+        power.add(i, power_by(simd, (group, part), gamma, closing));
+    }
+    power.total()
+}
+
+/// Return the change of the power of contacts whose penetration rates change by `closing`.
+///
+/// The power is quadratic in the rate, P = d v²: d Δv² is positive whatever the sign of Δv, and would accumulate.
+#[inline(always)]
+fn power_by<S: Simd>(
+    simd: S,
+    (slopes, part): (&SlopeGroup, usize),
+    gamma: Lanes<S>,
+    closing: Lanes<S>,
+) -> Lanes<S> {
+    let [by_depth, by_rate] = read(simd, &slopes.power, part);
+    let linear = gamma.mul_add(by_depth, by_rate);
+    slopes.damping.at(simd, part).mul_add(closing, linear) * closing
+}
+
+/// Candidates of one sprocket.
+struct Teeth<'a> {
+    gamma: f64,
+    slopes: &'a [SlopeGroup],
+    candidates: &'a SprocketCandidates,
+    pose: &'a SprocketPose,
+    /// Centres of the bushings \[m\].
+    bushing: &'a [Numbers; 2],
+    /// Corrections of their velocities \[m/s\].
+    correction: &'a [Numbers; 2],
+}
+
+impl Teeth<'_> {
+    /// Return the changes of the power dissipated, the force on the sprocket and its moment for a sprocket with these corrections of its
+    /// velocities.
+    #[inline(always)]
+    fn sums<S: Simd>(&self, simd: S, [of_x, of_y, of_spin]: [f64; 3]) -> [f64; 4] {
+        let splat = |value| Lanes::splat(simd, value);
+        let (gamma, zero) = (splat(self.gamma), splat(0.0));
+        let center = splat_two(simd, self.pose.center);
+        let mut sums = [PartialSums::default(); 4];
+        for run in &self.candidates.runs {
+            let blocks = run.length.div_ceil(S::F64_LANES);
+            let [x, y] = both::<S>(self.bushing, run.first, blocks);
+            let [vx, vy] = both::<S>(self.correction, run.first, blocks);
+            let slopes = &self.slopes[run.slot / WIDTH..];
+            for b in 0..blocks {
+                let (group, part) = group_at::<S, _>(slopes, b);
+                if !group.force.at(simd, part).exceeds(zero).any() {
+                    continue;
+                }
+                let (x, y) = (load(simd, &x[b]) - center[0], load(simd, &y[b]) - center[1]);
+                let vx = splat(of_spin).mul_add(y, load(simd, &vx[b]) - splat(of_x));
+                let vy = splat(of_spin).negate_mul_add(x, load(simd, &vy[b]) - splat(of_y));
+                let [nx, ny] = read(simd, &group.normal, part);
+                let closing = nx.mul_add(vx, ny * vy);
+                let stiffness = group.stiffness.at(simd, part);
+                let push = gamma.mul_add(stiffness, group.damping.at(simd, part)) * closing;
+                sums[0].add(b, power_by(simd, (group, part), gamma, closing));
+                sums[1].add(b, push * nx);
+                sums[2].add(b, push * ny);
+                sums[3].add(b, push * x.mul_add(ny, -(y * nx)));
+            }
+        }
+        sums.map(|sum| sum.total())
+    }
+}
