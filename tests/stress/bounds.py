@@ -37,7 +37,7 @@ HARD = 1e9
 
 # Bodies faster than this [m/s], or contacts under more force than this times the square of the
 # pitch [Pa], may penetrate by a radius: a roller at 500 m/s has the elastic energy of half of it.
-# Chains run below 50 m/s and break at 1e8 Pa.
+# Chains run below 50 m/s and break at 1e8 Pa. In mechanisms, radius times length is the area.
 FASTEST, STRONGEST = 100.0, 1e9
 
 # No array of a result has a number that is not finite but these: no contact near, no peak yet.
@@ -127,12 +127,19 @@ def figures(result: rc.Result) -> Iterator[Figure]:
     if (
         system.hinges == "clearance"
         and chain.link_stiffness is None
-        and (chain.material.elastic_modulus >= HARD)
+        and _hard(result.scene.law_of_hinges, chain.material, chain.hinge.length)
     ):
         yield _depth("hinge", arrays["hinge_penetration"], chain.hinge.pin_radius)
-    if chain.material.elastic_modulus >= HARD:
+    if _hard(result.scene.law_of_teeth, chain.material, chain.tooth_contact_length):
         yield _depth("tooth", arrays["tooth_penetration"], chain.contact_radius)
         yield from _through_teeth(system, arrays)
+
+
+def _hard(law: rc.ForceLaw, material: rc.Material, length: float) -> bool:
+    """Return whether a penetration by a whole radius is none of softness."""
+    # A linear law has a stiffness of its own; a hard surface has about HARD times the length.
+    soft = isinstance(law, rc.Linear) and law.stiffness < HARD * length
+    return material.elastic_modulus >= HARD and not soft
 
 
 def _beyond_chains(chain: rc.Chain, arrays: dict[str, Array]) -> bool:
@@ -157,11 +164,12 @@ def _mechanism(system: rc.Mechanism, arrays: dict[str, Array]) -> Iterator[Figur
         rate = float(np.abs(arrays["joint_velocity_residual"]).max())
         yield Figure("drift of speeds of joints", rate / (DRIFT_RATE * speed), "drift")
     for k, contact in enumerate(system.contacts):
-        law = contact.law
-        if isinstance(law, rc.SurfaceContact) and law.material.elastic_modulus >= HARD:
-            radius = contact.radius
-            if not isinstance(law.law, rc.Linear):
-                yield _depth("contact", arrays["contact_penetration"][:, k], radius)
+        law, radius = contact.law, contact.radius
+        if not isinstance(law, rc.SurfaceContact):
+            continue
+        beyond = arrays["peak_contact_force"][:, k].max() > STRONGEST * radius * law.length
+        if _hard(law.law, law.material, law.length) and not beyond:
+            yield _depth("contact", arrays["contact_penetration"][:, k], radius)
 
 
 def _through_teeth(drive: rc.ChainDrive, arrays: dict[str, Array]) -> Iterator[Figure]:

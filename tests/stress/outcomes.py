@@ -10,7 +10,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Protocol
 
@@ -175,9 +175,17 @@ def classify(found: Outcome, result: rc.Result, same: bool, warned: set[str]) ->
         found.outcome, found.message = "other bits", "after a restart from a file"
 
 
-def read(path: Path) -> list[Outcome]:
-    """Return the outcomes that `run.py --out` wrote."""
-    return [Outcome(**json.loads(line)) for line in path.read_text().splitlines()]
+def read(*paths: Path) -> list[Outcome]:
+    """Return the outcomes in files, each by its last line."""
+    lines = [line for path in paths for line in path.read_text().splitlines()]
+    outcomes = [Outcome(**json.loads(line)) for line in lines]
+    return list({(outcome.kind, outcome.name): outcome for outcome in outcomes}.values())
+
+
+def write(outcome: Outcome, path: Path) -> None:
+    """Add an outcome to a file, as a line."""
+    with path.open("a") as lines:
+        lines.write(json.dumps(asdict(outcome)) + "\n")
 
 
 def table(outcomes: Sequence[Outcome]) -> str:

@@ -2,12 +2,16 @@
 
 Runs random and extreme scenes, the stability studies, wild calls, and the tests of files, restarts,
 interrupts and stores; prints one table. With --page it also goes into docs/reliability.md, with
-the table and the figure of the studies. The exit status is 1 when anything failed.
+the table and the figure of the studies. With --keep the outcomes of scenes and studies are kept
+in a folder: a run that has ended continues, and the table has all outcomes that are there. Files
+of `run.py --out` whose names begin with "random" or "extreme" join them. The exit status is 1 when
+anything failed.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import re
 import subprocess
 import sys
@@ -19,10 +23,12 @@ from pathlib import Path
 
 import extremes
 import studies
-from outcomes import Outcome, read
+from load import load
+from outcomes import Job, Outcome, read
+from outcomes import write as keep
 from run import seeds_of
 from scenes import Seeded
-from workers import outcomes_of
+from workers import LIMIT, outcomes_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "reliability.md"
@@ -125,6 +131,19 @@ OF_PYTEST: tuple[tuple[str, tuple[str, ...], str], ...] = (
 )
 
 
+def kept_or_run(jobs: Iterable[Job], limit: float, folder: Path | None, what: str) -> list[Outcome]:
+    """Return the outcomes of jobs, and all kept ones of the same sort; failures run again."""
+    paths = sorted(folder.glob(f"{what}*.jsonl")) if folder else []
+    paths.sort(key=lambda path: path.stem == what)  # last, as the latest
+    outcomes = [outcome for outcome in read(*paths) if not outcome.failed]
+    known = {(outcome.kind, outcome.name) for outcome in outcomes}
+    for outcome in outcomes_of([job for job in jobs if (job.kind, job.name) not in known], limit):
+        outcomes.append(outcome)
+        if folder:
+            keep(outcome, folder / f"{what}.jsonl")
+    return outcomes
+
+
 def rows_of_scenes(what: str, test: str, outcomes: Sequence[Outcome]) -> list[Row]:
     """Return the rows of random or extreme scenes."""
     made = []
@@ -181,6 +200,32 @@ def row_of_mechanisms(count: int) -> Row:
     return Row(promise, f"`{script.name}`", tried, disagree, f"{worst} m or rad, extrapolated")
 
 
+def row_of_load(cases: int) -> Row:
+    """Return the row of a large sweep that is disturbed."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = load(Path(folder), cases, 5e-3)
+    print("\n".join(found.wrong), flush=True)
+    promise = "a large sweep with 5 % failing cases: interrupts and killed workers lose no case"
+    return Row(promise, "`load.py`", cases, len(found.wrong), str(found))
+
+
+def row_of_fuzz(seconds: float) -> Row:
+    """Return the row of mutated files; the cases are the files that were read or refused."""
+    from fuzz import TARGETS
+
+    failures = tried = 0
+    for target in TARGETS:
+        with tempfile.TemporaryDirectory() as folder:
+            command = [sys.executable, str(ROOT / "tests" / "stress" / "fuzz.py"), target]
+            command += ["--seconds", str(seconds), "--folder", folder]
+            ended = subprocess.run(command, capture_output=True, text=True)
+        counts = re.findall(r"'(?:read|refused|defect)': (\d+)", ended.stdout)
+        tried += sum(map(int, counts))
+        failures += ended.returncode != 0
+        print(ended.stdout, flush=True)
+    return Row("mutated files are read or refused", "`fuzz.py`", tried, failures)
+
+
 def row_of_pytest(promise: str, paths: Iterable[str], chosen: str) -> Row:
     """Return the row of tests of pytest."""
     with tempfile.TemporaryDirectory() as folder:
@@ -227,22 +272,28 @@ def main() -> int:
     parser.add_argument("--every", type=int, default=20, help="of the extreme scenes, each so many")
     parser.add_argument("--calls", type=int, default=1000, help="number of wild calls")
     parser.add_argument("--mechanisms", type=int, default=20, help="number beside Exudyn")
-    parser.add_argument(
-        "--random", type=Path, help="outcomes that run.py --out wrote, not run here"
-    )
-    parser.add_argument("--extreme", type=Path, help="the same, of run.py --extremes")
+    parser.add_argument("--load", type=int, default=5000, help="cases of the disturbed sweep")
+    parser.add_argument("--fuzz", type=float, default=20.0, help="processor time of a reader [s]")
+    parser.add_argument("--keep", type=Path, help="folder of outcomes, which continues")
     parser.add_argument("--page", metavar="DATE", help=f"write {PAGE.name}, with this date")
     given = parser.parse_args()
-    jobs = [Seeded(seed) for seed in given.seeds]
-    random = read(given.random) if given.random else list(outcomes_of(jobs))
+    if given.keep:
+        given.keep.mkdir(parents=True, exist_ok=True)
+    random = kept_or_run(map(Seeded, given.seeds), LIMIT, given.keep, "random")
     few = extremes.jobs()[:: given.every]
-    extreme = read(given.extreme) if given.extreme else list(outcomes_of(few, EXTREMES_LIMIT))
+    extreme = kept_or_run(few, EXTREMES_LIMIT, given.keep, "extreme")
     rows = rows_of_scenes("random scenes", "`run.py`", random)
     rows += rows_of_scenes("extreme values", "`run.py --extremes`", extreme)
     chosen = studies.runs()
-    of_studies = list(studies.all_outcomes(chosen))
+    found = kept_or_run(chosen, studies.LIMIT, given.keep, "studies")
+    by_name = {(outcome.kind, outcome.name): outcome for outcome in found}
+    of_studies = [by_name[run.kind, run.name] for run in chosen]
     rows += [row_of_studies(of_studies), row_of_calls(given.calls)]
+    rows.append(row_of_load(given.load))
     rows.append(row_of_mechanisms(given.mechanisms))
+    # No group of tools has atheris, which few platforms have.
+    if importlib.util.find_spec("atheris"):
+        rows.append(row_of_fuzz(given.fuzz))
     rows += [row_of_pytest(*test) for test in OF_PYTEST]
     print("\n".join([HEAD, *map(str, rows)]))
     failed = [o for o in (*random, *extreme, *of_studies) if o.failed]

@@ -10,14 +10,12 @@ With --shrink, a failing scene is simplified while it fails, and written to a TO
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import extremes
 import shrink
-from outcomes import read, table
+from outcomes import read, table, write
 from scenes import Seeded
 from workers import LIMIT, outcomes_of
 
@@ -37,7 +35,7 @@ def main() -> int:
     parser.add_argument("--longest", type=float, default=0.04, help="longest duration [s]")
     parser.add_argument("--limit", type=float, default=LIMIT, help="processor time of a scene [s]")
     parser.add_argument(
-        "--out", type=Path, help="file of outcomes, a line each; goes on after those"
+        "--out", type=Path, help="file of outcomes, a line each; failures in it run again"
     )
     parser.add_argument("--shrink", type=Path, help="folder for simplified failing scenes")
     parser.add_argument("--verbose", action="store_true", help="print all outcomes")
@@ -46,13 +44,13 @@ def main() -> int:
     if given.extremes:
         jobs = [job for job in extremes.jobs() if given.only in job.name]
     outcomes = read(given.out) if given.out and given.out.exists() else []
+    outcomes = [outcome for outcome in outcomes if not outcome.failed]
     known = {outcome.name for outcome in outcomes}
     jobs = [job for job in jobs if job.name not in known]
     for job, outcome in zip(jobs, outcomes_of(jobs, given.limit), strict=True):
         outcomes.append(outcome)
         if given.out:
-            with given.out.open("a") as lines:
-                lines.write(json.dumps(asdict(outcome)) + "\n")
+            write(outcome, given.out)
         if outcome.failed or given.verbose:
             print(outcome, flush=True)
         if outcome.failed and given.shrink:

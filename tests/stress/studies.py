@@ -85,7 +85,10 @@ def _hung(ratio: float) -> rc.Scene:
 
 
 def _clearance(value: float) -> rc.Scene:
+    """Return the published drive with a clearance of the hinges; 0: with ideal hinges."""
     scene = _published()
+    if value == 0.0:
+        return replace(scene, system=replace(scene.drive, hinges="ideal"))
     hinge = scene.drive.chain.hinge
     return _of_chain(scene, hinge=replace(hinge, bore_radius=hinge.pin_radius + value))
 
@@ -119,7 +122,7 @@ STUDIES: tuple[Study, ...] = (
         0.1,
         (1e-3, 1e-2, 1e-1, 1.0, 1e1, 1e2, 1e3),
     ),
-    ("radial clearance", "m", _clearance, 0.1, (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)),
+    ("radial clearance", "m", _clearance, 0.1, (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 0.0)),
     (
         "restitution",
         "",
@@ -186,7 +189,9 @@ def draw(runs: Sequence[Run], outcomes: Sequence[Outcome], path: Path) -> None:
     names = list(dict.fromkeys(run.kind for run in runs))
     figure, axes = plt.subplots(2, 5, figsize=(12.0, 4.6), sharey=True, layout="constrained")
     for axis, name in zip(axes.flat, names, strict=False):
-        chosen = [(r, share(o), o) for r, o in zip(runs, outcomes, strict=True) if r.kind == name]
+        of_all = zip(runs, outcomes, strict=True)
+        # A logarithmic axis has no zero.
+        chosen = [(r, share(o), o) for r, o in of_all if r.kind == name and r.value > 0.0]
         axis.loglog([r.value for r, *_ in chosen], [s for _, s, _ in chosen], color="0.7", lw=1)
         for label, color in (("", "C0"), ("EnergyWarning", "C1")):
             marked = [(r, s) for r, s, o in chosen if ("EnergyWarning" in o.warned) == bool(label)]

@@ -117,6 +117,36 @@ def test_a_result_that_breaks_a_bound_is_seen(result):
     assert worst(broken)["bushing's centre in a tooth"] > 1.0
 
 
+def test_soft_contacts_and_forces_far_above_the_strength_may_be_penetrated():
+    drive = rc.two_sprocket_drive("ANSI 40", (11, 11), links=30, torque=-0.5)
+    for stiffness, has_bound in ((0.1, False), (1e8, True)):
+        for part in ("hinge", "tooth"):
+            laws = {f"{part}_law": rc.Linear(stiffness=stiffness)}
+            found, _ = outcomes.run(Given(rc.Scene(drive, **laws)).trial())
+            assert (f"penetration of a {part} over the radius" in worst(found)) is has_bound
+    for gravity, has_bound in ((-9.81, True), (-9.81e9, False)):
+        mechanism = replace(extremes.slider_crank().system, gravity=(0.0, gravity))
+        outcome = outcome_of(Given(rc.Scene(mechanism), 4e-3))
+        assert not outcome.failed
+        assert ("penetration of a contact over the radius" in outcome.worst) is has_bound
+
+
+def test_outcomes_of_several_files_join_and_failures_run_again(tmp_path):
+    first, second, third = (Outcome(str(seed), Seeded(seed).kind, "finished") for seed in range(3))
+    broken = replace(second, outcome="drift")
+    for name, outcome in (("random_a", first), ("random_b", broken), ("other", third)):
+        outcomes.write(outcome, tmp_path / f"{name}.jsonl")
+    jobs = [Seeded(seed, BRIEF) for seed in range(2)]
+    found = reliability.kept_or_run(jobs, 20.0, tmp_path, "random")
+    assert found[0] == first
+    assert [outcome.name for outcome in found] == ["0", "1"]
+    assert found[1].steps or found[1].message  # it ran
+    again = reliability.kept_or_run(jobs, 20.0, tmp_path, "random")
+    assert sorted(again, key=lambda outcome: outcome.name) == found
+    assert len(outcomes.read(tmp_path / "random.jsonl")) == 1
+    assert len((tmp_path / "random.jsonl").read_text().splitlines()) == 1
+
+
 def test_an_imbalance_in_silence_fails_and_one_with_a_warning_does_not():
     scene = rc.Scene(rc.paper_drive(), solver=rc.Solver("newton", accuracy=1e-4))
     told = outcome_of(Given(scene, 0.02))
