@@ -92,7 +92,9 @@ def members_of(hint: Any) -> tuple[Any, ...]:  # noqa: ANN401
 
 def tables_of(hint: Any) -> dict[str, Maker]:  # noqa: ANN401
     """Return what makes a value of `hint` from a table, by the name that ``type`` gives it."""
-    kinds = [m for m in members_of(hint) if isinstance(m, type) and issubclass(m, _DESCRIBED)]
+    # Python 3.10 counts `Sequence[float]` among the types.
+    classes = [m for m in members_of(hint) if isinstance(m, type) and get_origin(m) is None]
+    kinds = [m for m in classes if issubclass(m, _DESCRIBED)]
     return {name: make for kind in kinds for name, make in makers_of(kind).items()}
 
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-import tomllib
 from typer.testing import CliRunner
 
 import rustchain as rc
 from rustchain.cli.app import app
 
+tomllib = pytest.importorskip("tomllib")  # Python 3.11
 EXAMPLE = Path(__file__).parents[3] / "examples" / "three_shafts.toml"
 
 
