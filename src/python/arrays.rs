@@ -4,7 +4,6 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::errors::to_python;
 use crate::error::Error;
 use crate::system::{Recording, Values};
 
@@ -12,38 +11,31 @@ pub(super) type Rows = Vec<[f64; 3]>;
 
 /// Read rows of three numbers, one row per body.
 pub(super) fn rows(
-    py: Python<'_>,
     field: &str,
     array: Option<&PyReadonlyArray2<'_, f64>>,
 ) -> PyResult<Option<Rows>> {
     let Some(array) = array else { return Ok(None) };
     let array = array.as_array();
     if array.ncols() != 3 {
-        return Err(to_python(
-            py,
-            &Error::invalid(
-                field,
-                format!("an array of shape ({}, {})", array.nrows(), array.ncols()),
-                "must have three columns (x, y, theta)",
-            ),
-        ));
+        return Err(Error::invalid(
+            field,
+            format!("an array of shape ({}, {})", array.nrows(), array.ncols()),
+            "must have three columns (x, y, theta)",
+        )
+        .into());
     }
-    Ok(Some(
-        array
-            .rows()
-            .into_iter()
-            .map(|r| [r[0], r[1], r[2]])
-            .collect(),
-    ))
+    let rows = array.rows().into_iter();
+    Ok(Some(rows.map(|r| [r[0], r[1], r[2]]).collect()))
 }
 
-pub(super) fn table(py: Python<'_>, rows: Rows) -> PyResult<Bound<'_, PyArray2<f64>>> {
+/// Return rows of `N` numbers as an array (rows, `N`).
+pub(super) fn table<const N: usize>(
+    py: Python<'_>,
+    rows: Vec<[f64; N]>,
+) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let count = rows.len();
-    rows.into_iter()
-        .flatten()
-        .collect::<Vec<f64>>()
-        .into_pyarray(py)
-        .reshape([count, 3])
+    let flat: Vec<f64> = rows.into_iter().flatten().collect();
+    flat.into_pyarray(py).reshape([count, N])
 }
 
 /// Return all channels of a recording, time first.

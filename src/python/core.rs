@@ -8,7 +8,6 @@ use pyo3::types::{PyBytes, PyDict};
 
 use super::arrays::{Rows, last_row, recorded, rows, table};
 use super::describe;
-use super::errors::to_python;
 use super::evaluation::{
     assembly, drive_evaluation, mechanism_evaluation, set_contact_memory, statistics,
 };
@@ -19,7 +18,6 @@ use crate::chain::contact::ToothJump;
 use crate::chain::dynamics::check_rows;
 use crate::chain::model::Model;
 use crate::error::{Error, Result};
-use crate::layout::InitialConfiguration;
 use crate::panics::contained;
 use crate::run::simulation::Simulation;
 use crate::run::{AnySimulation, MechanismSimulation};
@@ -49,18 +47,13 @@ impl Core {
         velocities: Option<PyReadonlyArray2<'_, f64>>,
         surfaces: Vec<[usize; 3]>,
     ) -> PyResult<Self> {
-        let py = scene.py();
         let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), surfaces))?;
-        let simulation = contained(|| {
-            let start = match scene.start {
-                Some(start) => start,
-                None => InitialConfiguration::generate(&scene.drive)?.0,
-            };
+        let (simulation, start) = contained(|| {
+            let start = scene.own_or_generated_start()?;
             let model = Model::compile(&scene.drive, &scene.laws, &start)?;
             let simulation = Simulation::new(Arc::new(model), &start, scene.control)?;
             Ok((simulation, [start.positions, start.velocities]))
-        });
-        let (simulation, start) = describe::checked(py, simulation)?;
+        })?;
         Ok(Self::of(
             AnySimulation::Drive(simulation),
             start,
@@ -107,13 +100,13 @@ impl Core {
         let mechanism = self.simulation.mechanism().ok_or_else(|| {
             let value = "of a chain drive with clearance";
             Error::invalid("simulation", value, "expected one of a mechanism")
-        });
-        assembly(py, describe::checked(py, mechanism)?.assembly())
+        })?;
+        assembly(py, mechanism.assembly())
     }
 
     /// Return the complete state of the run.
     fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let snapshot = describe::checked(py, self.simulation.state())?;
+        let snapshot = self.simulation.state()?;
         let state = PyDict::new(py);
         state.set_item("time", self.simulation.time())?;
         state.set_item("positions", self.positions(py)?)?;
@@ -126,9 +119,9 @@ impl Core {
     }
 
     /// Return the same simulation in the state of a snapshot.
-    fn restored(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
+    fn restored(&self, snapshot: &[u8]) -> PyResult<Self> {
         let mut simulation = self.simulation.clone();
-        describe::checked(py, simulation.restore(snapshot))?;
+        simulation.restore(snapshot)?;
         let mut core = Self::of(simulation, self.start.clone(), Arc::clone(&self.raised));
         core.jumps_warned = core.jumps().len();
         core.warned.clone_from(&self.warned);
@@ -149,27 +142,27 @@ impl Core {
         velocities: Option<PyReadonlyArray2<'py, f64>>,
         time: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let positions = rows(py, "positions", positions.as_ref())?;
-        let velocities = rows(py, "velocities", velocities.as_ref())?;
+        let positions = rows("positions", positions.as_ref())?;
+        let velocities = rows("velocities", velocities.as_ref())?;
         let time = time.map(|t| describe::finite(t, "time", "s")).transpose()?;
         let (places, speeds) = (positions.as_deref(), velocities.as_deref());
         match &mut self.simulation {
             AnySimulation::Drive(simulation) => {
                 for (name, given) in [("positions", places), ("velocities", speeds)] {
                     if let Some(given) = given {
-                        describe::checked(py, check_rows(simulation.model(), name, given))?;
+                        check_rows(simulation.model(), name, given)?;
                     }
                 }
                 drive_evaluation(py, &simulation.evaluate_elsewhere(places, speeds, time))
             }
             AnySimulation::Ideal(simulation) => {
-                let row = simulation.evaluate_elsewhere(positions, velocities, time);
-                ideal_evaluation(py, simulation, &describe::checked(py, row)?)
+                let row = simulation.evaluate_elsewhere(positions, velocities, time)?;
+                ideal_evaluation(py, simulation, &row)
             }
             AnySimulation::Mechanism(simulation) => {
                 let row = simulation.evaluate_elsewhere(places, speeds, time);
                 take(&self.raised)?;
-                mechanism_evaluation(py, describe::checked(py, row)?)
+                mechanism_evaluation(py, row?)
             }
         }
     }
@@ -247,7 +240,7 @@ impl Core {
                 simulation.set_input(part.extract()?, quantity, signal)
             }
         };
-        describe::checked(value.py(), outcome)
+        Ok(outcome?)
     }
 
     fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -269,7 +262,7 @@ impl Core {
         let now = self.simulation.time();
         if t < now {
             let expected = format!("must not lie before the present time, {now} s");
-            return Err(to_python(py, &Error::invalid("t", t, expected)));
+            return Err(Error::invalid("t", t, expected).into());
         }
         self.moved(py, |simulation| simulation.advance(t, budget(wall_budget)))
     }
@@ -357,6 +350,6 @@ impl Core {
         let simulation = &mut self.simulation;
         let outcome = py.detach(|| steps(simulation));
         take(&self.raised)?;
-        describe::checked(py, outcome)
+        Ok(outcome?)
     }
 }

@@ -45,8 +45,7 @@ pub(super) fn drive_mechanism<'py>(
     let py = drive.py();
     let description = describe::drive(drive)?;
     let contacts = drive_contacts(force_law, min_impact_velocity)?;
-    let made = contained(|| Mechanism::from_drive(&description, &contacts, None));
-    let mechanism = describe::checked(py, made)?;
+    let mechanism = contained(|| Mechanism::from_drive(&description, &contacts, None))?;
     let links = description.chain.links as usize;
     let mut calls = Vec::new();
     for part in &mechanism.bodies {

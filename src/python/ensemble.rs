@@ -12,7 +12,6 @@ use pyo3::prelude::*;
 use super::arrays::table;
 use super::core::Core;
 use super::describe;
-use super::errors::to_python;
 use super::mechanism::mechanism;
 use super::mechanism_callable::{Raised, take};
 use super::starts::{DriveScene, budget};
@@ -109,16 +108,11 @@ type Fetched<'py> = (usize, Option<(Core, Start<'py>)>, Option<Py<PyAny>>);
 impl Ensemble {
     #[new]
     #[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
-    fn new(
-        cases: Vec<PyRef<'_, Case>>,
-        threads: Option<&Bound<'_, PyAny>>,
-        py: Python<'_>,
-    ) -> PyResult<Self> {
+    fn new(cases: Vec<PyRef<'_, Case>>, threads: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let threads = threads.map(number_of_threads).transpose()?;
         let raised = cases.iter().map(|case| Arc::clone(&case.raised)).collect();
         let cases = cases.iter().map(|case| case.case.clone()).collect();
-        let running = describe::checked(py, ensemble::Ensemble::new(cases, threads))?;
-        let running = Arc::new(running);
+        let running = Arc::new(ensemble::Ensemble::new(cases, threads)?);
         // Each thread may leave one finished case in the channel and continue: memory is bounded by the number of threads.
         let (sender, outcomes) = sync_channel(running.threads());
         let shared = Arc::clone(&running);
@@ -163,7 +157,7 @@ impl Ensemble {
         };
         // An exception of a callable takes precedence over the error that it caused.
         let raised = &self.raised[number];
-        let error = error.map(|error| take(raised).err().unwrap_or_else(|| to_python(py, &error)));
+        let error = error.map(|error| take(raised).err().unwrap_or_else(|| error.into()));
         let error = error.map(|error| error.into_value(py).into_any());
         let run = run.map(|run| begun(py, *run, raised)).transpose()?;
         Ok(Some((number, run, error)))
@@ -207,12 +201,7 @@ fn begun<'py>(py: Python<'py>, run: Run, raised: &Raised) -> PyResult<(Core, Sta
 
 fn number_of_threads(value: &Bound<'_, PyAny>) -> PyResult<NonZero<usize>> {
     let count = describe::count(value, "threads")?;
-    let refuse = || {
-        Error::invalid(
-            "threads",
-            count,
-            "must be at least 1, or None for all cores",
-        )
-    };
-    describe::checked(value.py(), NonZero::new(count as usize).ok_or_else(refuse))
+    let expected = "must be at least 1, or None for all cores";
+    let refuse = || Error::invalid("threads", count, expected).into();
+    NonZero::new(count as usize).ok_or_else(refuse)
 }

@@ -13,12 +13,18 @@ import_exception!(rustchain.errors, SimulationError);
 #[pyfunction]
 pub(super) fn panicked(py: Python<'_>, message: &str, time: Option<f64>) -> Py<PyAny> {
     let message = message.to_string() + &panics::place();
-    let exception = to_python(py, &Error::Panicked { time, message });
+    let exception = PyErr::from(Error::Panicked { time, message });
     exception.into_value(py).into_any()
 }
 
+impl From<Error> for PyErr {
+    fn from(error: Error) -> Self {
+        Python::attach(|py| to_python(py, &error))
+    }
+}
+
 /// Return the exception of `error`.
-pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
+fn to_python(py: Python<'_>, error: &Error) -> PyErr {
     let (time, step_size, contact) = match error {
         Error::InvalidValue { .. } | Error::Impossible(_) => {
             return InvalidInput::new_err(error.to_string());

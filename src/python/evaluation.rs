@@ -9,6 +9,7 @@ use crate::chain::dynamics::Dynamics;
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 use crate::multibody::Assembly;
+use crate::multibody::from_drive::channels::BushingContact;
 use crate::run::simulation::Statistics;
 use crate::system::Recording;
 
@@ -29,22 +30,15 @@ pub(super) fn set_contact_memory(
 ) -> PyResult<()> {
     let model = dynamics.model();
     let (memory, parted) = (&dynamics.memory, dynamics.parted());
-    state.set_item(
-        "hinge_onset_speed",
-        memory.hinge_impact_velocity().to_vec().into_pyarray(py),
-    )?;
-    state.set_item(
-        "tooth_onset_speed",
-        by_bushing(model, |pair| memory.tooth_impact_velocity[pair])
-            .into_pyarray(py)
-            .reshape([model.links, model.sprockets.len()])?,
-    )?;
-    state.set_item(
-        "tooth_onset_surface",
-        by_bushing(model, |pair| i32::from(memory.tooth_surface[pair].0))
-            .into_pyarray(py)
-            .reshape([model.links, model.sprockets.len()])?,
-    )?;
+    let shape = [model.links, model.sprockets.len()];
+    let hinges = memory.hinge_impact_velocity().to_vec();
+    state.set_item("hinge_onset_speed", hinges.into_pyarray(py))?;
+    let speeds = by_bushing(model, |pair| memory.tooth_impact_velocity[pair]);
+    let speeds = speeds.into_pyarray(py).reshape(shape)?;
+    state.set_item("tooth_onset_speed", speeds)?;
+    let surfaces = by_bushing(model, |pair| i32::from(memory.tooth_surface[pair].0));
+    let surfaces = surfaces.into_pyarray(py).reshape(shape)?;
+    state.set_item("tooth_onset_surface", surfaces)?;
     if model.rollers.is_some() {
         let speeds = memory.roller_impact_velocity().to_vec();
         state.set_item("roller_onset_speed", speeds.into_pyarray(py))?;
@@ -116,10 +110,7 @@ pub(super) fn drive_evaluation<'py>(
 fn put_joints(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
     let (py, links) = (found.py(), dynamics.model().links);
     let vectors = |force: &dyn Fn(usize) -> Vec2| {
-        let flat: Vec<f64> = (0..links)
-            .flat_map(|k| <[f64; 2]>::from(force(k)))
-            .collect();
-        flat.into_pyarray(py).reshape([links, 2])
+        table(py, (0..links).map(|k| <[f64; 2]>::from(force(k))).collect())
     };
     let hinges = &dynamics.evaluated.hinges;
     found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
@@ -140,38 +131,56 @@ fn put_joints(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
 }
 
 /// Add the contacts of bushings with teeth, (links, sprockets) each.
-#[allow(clippy::cast_possible_wrap)] // gaps are few
 fn put_teeth(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
-    let (py, model, teeth) = (found.py(), dynamics.model(), &dynamics.evaluated.teeth);
-    let shape = [model.links, model.sprockets.len()];
-    let near = |pair: usize| teeth.penetration[pair] > f64::NEG_INFINITY;
-    let real =
-        |value: &dyn Fn(usize) -> f64| by_bushing(model, value).into_pyarray(py).reshape(shape);
-    let whole =
-        |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
-    let forces = real(&|p| if near(p) { teeth.force[p] } else { 0.0 })?;
-    found.set_item("tooth_force", forces)?;
-    found.set_item("tooth_penetration", real(&|p| teeth.penetration[p])?)?;
-    let vectors = by_bushing(model, |p| {
-        if near(p) {
-            <[f64; 2]>::from(teeth.force_on_bushing(p))
-        } else {
-            [0.0; 2]
+    let (model, teeth) = (dynamics.model(), &dynamics.evaluated.teeth);
+    let contact = |pair: usize| {
+        let apart = BushingContact {
+            sprocket: pair / model.links,
+            force: 0.0,
+            vector: [0.0; 2],
+            penetration: teeth.penetration[pair],
+            gap: -1,
+            region: 0,
+        };
+        let near = apart.penetration > f64::NEG_INFINITY;
+        if !near {
+            return apart;
         }
-    });
-    let vectors: Vec<f64> = vectors.into_iter().flatten().collect();
-    let vectors = vectors.into_pyarray(py).reshape([shape[0], shape[1], 2])?;
-    found.set_item("tooth_force_vector", vectors)?;
-    let region = |p: usize| {
-        if near(p) {
-            i32::from(teeth.region[p])
-        } else {
-            0
+        BushingContact {
+            force: teeth.force[pair],
+            vector: teeth.force_on_bushing(pair).into(),
+            #[allow(clippy::cast_possible_wrap)] // gaps are few
+            gap: teeth.gap[pair] as i32,
+            region: i32::from(teeth.region[pair]),
+            ..apart
         }
     };
-    found.set_item("tooth_region", whole(&region)?)?;
-    let gap = |p: usize| if near(p) { teeth.gap[p] as i32 } else { -1 };
-    found.set_item("tooth_index", whole(&gap)?)
+    let shape = [model.links, model.sprockets.len()];
+    put_bushing_contacts(found, shape, &by_bushing(model, contact))
+}
+
+/// Add contacts of bushings with teeth in the order of an array of this shape, (links, sprockets).
+pub(super) fn put_bushing_contacts(
+    found: &Bound<'_, PyDict>,
+    shape: [usize; 2],
+    contacts: &[BushingContact],
+) -> PyResult<()> {
+    let py = found.py();
+    let real = |value: fn(&BushingContact) -> f64| {
+        let values: Vec<f64> = contacts.iter().map(value).collect();
+        values.into_pyarray(py).reshape(shape)
+    };
+    let whole = |value: fn(&BushingContact) -> i32| {
+        let values: Vec<i32> = contacts.iter().map(value).collect();
+        values.into_pyarray(py).reshape(shape)
+    };
+    let vectors: Vec<f64> = contacts.iter().flat_map(|found| found.vector).collect();
+    let vectors = vectors.into_pyarray(py).reshape([shape[0], shape[1], 2])?;
+    found.set_item("tooth_force", real(|found| found.force)?)?;
+    found.set_item("tooth_penetration", real(|found| found.penetration)?)?;
+    found.set_item("tooth_force_vector", vectors)?;
+    found.set_item("tooth_region", whole(|found| found.region)?)?;
+    found.set_item("tooth_index", whole(|found| found.gap)?)
 }
 
 /// Add the deflections of bristles, of the contacts that have any.

@@ -4,12 +4,10 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use super::describe;
 use super::starts::DriveScene;
 use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
 use crate::fmu::{Contents, InputVariable, Instance, OutputVariable};
-use crate::layout::InitialConfiguration;
 use crate::panics::contained;
 
 /// Bytes of the scene in an FMU, its instantiation token, and the values of all variables at the start, the time first.
@@ -31,13 +29,10 @@ pub(super) fn fmu_scene<'py>(
 ) -> PyResult<Packed<'py>> {
     let py = scene.py();
     let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), Vec::new()))?;
-    let inputs: Result<Vec<_>> = inputs.into_iter().map(input_variable).collect();
-    let inputs = describe::checked(py, inputs)?;
-    let packed = contained(|| {
-        let start = match scene.start {
-            Some(start) => start,
-            None => InitialConfiguration::generate(&scene.drive)?.0,
-        };
+    let inputs = inputs.into_iter().map(input_variable);
+    let inputs = inputs.collect::<Result<Vec<_>>>()?;
+    let (bytes, token, values) = contained(|| {
+        let start = scene.own_or_generated_start()?;
         let contents = Contents {
             drive: scene.drive,
             laws: scene.laws,
@@ -53,8 +48,7 @@ pub(super) fn fmu_scene<'py>(
         let (bytes, token) = contents.to_bytes()?;
         let instance = Instance::new(Contents::from_bytes(&bytes, &token)?)?;
         Ok((bytes, token, instance.values()))
-    });
-    let (bytes, token, values) = describe::checked(py, packed)?;
+    })?;
     Ok((PyBytes::new(py, &bytes), token, values))
 }
 

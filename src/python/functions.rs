@@ -1,14 +1,14 @@
 //! Free functions for Python.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
+use super::arrays::table;
 use super::describe;
-use super::errors::to_python;
 use crate::drive::bushing_on_front;
 use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, effective_restitution as obtained, elastic_forces};
-use crate::geometry::{Vec2, unit};
+use crate::geometry::{SurfaceCurve, ToothProfile, Vec2, unit};
 use crate::math::simd::InstructionSet;
 
 /// Return the instruction set of the kernels on this machine: "avx512", "avx2", "neon" or "plain".
@@ -25,8 +25,22 @@ const MOST_POINTS: f64 = 1e3;
 /// Read the number of points on each arc of an outline.
 fn points_of_arcs(points: &Bound<'_, PyAny>) -> PyResult<usize> {
     let count = describe::count(points, "points")?;
-    let allowed = check::within("points", f64::from(count), 2.0, MOST_POINTS);
-    describe::checked(points.py(), allowed).map(|()| count as usize)
+    check::within("points", f64::from(count), 2.0, MOST_POINTS)?;
+    Ok(count as usize)
+}
+
+/// Read a sprocket and return its tooth profile for a chain.
+fn tooth_profile(sprocket: &Bound<'_, PyAny>, chain: &Bound<'_, PyAny>) -> PyResult<ToothProfile> {
+    let sprocket = describe::sprocket(sprocket, "sprocket")?;
+    Ok(sprocket.tooth_profile(&describe::chain(chain, "chain")?)?)
+}
+
+/// Check that radii or lengths, each with its name, are positive.
+fn check_lengths<const N: usize>(lengths: [(f64, &str); N]) -> PyResult<()> {
+    for (length, name) in lengths {
+        check::positive(name, length, "m")?;
+    }
+    Ok(())
 }
 
 /// Return the closed outline of a sprocket in its own frame \[m\], (points, 2).
@@ -37,13 +51,8 @@ pub(super) fn tooth_outline<'py>(
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let points = points_of_arcs(points)?;
-    let sprocket_description = describe::sprocket(sprocket, "sprocket")?;
-    let chain = describe::chain(chain, "chain")?;
-    let profile = describe::checked(sprocket.py(), sprocket_description.tooth_profile(&chain))?;
-    let outline = profile.outline(points);
-    let rows = outline.len();
-    let flat: Vec<f64> = outline.into_iter().flat_map(|p| [p.x, p.y]).collect();
-    flat.into_pyarray(sprocket.py()).reshape([rows, 2])
+    let outline = tooth_profile(sprocket, chain)?.outline(points).into_iter();
+    table(sprocket.py(), outline.map(<[f64; 2]>::from).collect())
 }
 
 /// Return the closed outline of a guide around its described position, in a frame whose x axis is the outward normal of its face \[m\].
@@ -53,17 +62,12 @@ pub(super) fn guide_outline<'py>(
     points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let described = describe::rail(guide, "guide")?;
-    describe::checked(guide.py(), described.validate())?;
+    described.validate()?;
     let count = points_of_arcs(points)?;
-    let profile = describe::checked(guide.py(), described.profile())?;
-    let outline = profile.outline(count);
-    let rows = outline.len();
+    let profile = described.profile()?;
+    let outline = profile.outline(count).into_iter();
     let below = described.depth();
-    let flat: Vec<f64> = outline
-        .into_iter()
-        .flat_map(|p| [p.x - below, p.y])
-        .collect();
-    flat.into_pyarray(guide.py()).reshape([rows, 2])
+    table(guide.py(), outline.map(|p| [p.x - below, p.y]).collect())
 }
 
 /// Return the names of the surfaces of whole teeth, from the seat outward.
@@ -72,10 +76,25 @@ pub(super) fn tooth_surfaces(
     sprocket: &Bound<'_, PyAny>,
     chain: &Bound<'_, PyAny>,
 ) -> PyResult<Vec<&'static str>> {
-    let described = describe::sprocket(sprocket, "sprocket")?;
-    let chain = describe::chain(chain, "chain")?;
-    let profile = describe::checked(sprocket.py(), described.tooth_profile(&chain))?;
+    let profile = tooth_profile(sprocket, chain)?;
     Ok(profile.whole().iter().map(|piece| piece.name).collect())
+}
+
+/// Return the radii of the surfaces of whole teeth \[m\], from the seat outward: positive if concave, negative if convex, infinite if
+/// straight.
+#[pyfunction]
+pub(super) fn tooth_radii(
+    sprocket: &Bound<'_, PyAny>,
+    chain: &Bound<'_, PyAny>,
+) -> PyResult<Vec<f64>> {
+    let radius = |curve: &SurfaceCurve| match curve {
+        SurfaceCurve::Concave(arc) => arc.radius,
+        SurfaceCurve::Convex(arc) => -arc.radius,
+        SurfaceCurve::Straight(_) => f64::INFINITY,
+    };
+    let profile = tooth_profile(sprocket, chain)?;
+    let whole = profile.whole();
+    Ok(whole.iter().map(|piece| radius(&piece.curve)).collect())
 }
 
 /// Return for each link: distance of its hinges \[m\], mass \[kg\], moment of inertia \[kg m²\], and 1 if a bushing is at its front,
@@ -83,23 +102,22 @@ pub(super) fn tooth_surfaces(
 #[pyfunction]
 pub(super) fn chain_links<'py>(chain: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let described = describe::chain(chain, "chain")?;
-    describe::checked(chain.py(), described.validate())?;
+    described.validate()?;
     let pitches = described.link_pitches();
     let count = pitches.len();
-    let rows = pitches.into_iter().enumerate().flat_map(|(i, pitch)| {
+    let rows = pitches.into_iter().enumerate().map(|(i, pitch)| {
         let link = described.link(i);
         let on_front = f64::from(bushing_on_front(i, count));
         [pitch, link.mass, link.inertia, on_front]
     });
-    let flat: Vec<f64> = rows.collect();
-    flat.into_pyarray(chain.py()).reshape([count, 4])
+    table(chain.py(), rows.collect())
 }
 
 /// Return the axial stiffness of a link, over all strands \[N/m\]; None: links are rigid.
 #[pyfunction]
 pub(super) fn link_stiffness(chain: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
     let described = describe::chain(chain, "chain")?;
-    describe::checked(chain.py(), described.validate())?;
+    described.validate()?;
     Ok(described.axial_stiffness())
 }
 
@@ -118,9 +136,7 @@ pub(super) fn tooth_contacts<'py>(
     Bound<'py, PyArray2<f64>>,
 )> {
     let py = sprocket.py();
-    let described = describe::sprocket(sprocket, "sprocket")?;
-    let chain = describe::chain(chain, "chain")?;
-    let profile = describe::checked(py, described.tooth_profile(&chain))?;
+    let profile = tooth_profile(sprocket, chain)?;
     let (mut regions, mut depths, mut normals) = (Vec::new(), Vec::new(), Vec::new());
     for row in points.as_array().rows() {
         let point = Vec2::new(row[0], row[1]);
@@ -132,13 +148,12 @@ pub(super) fn tooth_contacts<'py>(
         let normal = found.normal.x * u + found.normal.y * v;
         regions.push(found.region);
         depths.push(found.penetration);
-        normals.extend([normal.x, normal.y]);
+        normals.push([normal.x, normal.y]);
     }
-    let rows = depths.len();
     Ok((
         regions.into_pyarray(py),
         depths.into_pyarray(py),
-        normals.into_pyarray(py).reshape([rows, 2])?,
+        table(py, normals)?,
     ))
 }
 
@@ -155,13 +170,8 @@ pub(super) fn film_forces<'py>(
     let py = film.py();
     let film = describe::film(film, "film")?;
     let (pin, bore) = radii;
-    for (value, name) in [
-        (pin, "radii[0]"),
-        (bore - pin, "radii[1] - radii[0]"),
-        (length, "length"),
-    ] {
-        describe::checked(py, check::positive(name, value, "m"))?;
-    }
+    let clearance = (bore - pin, "radii[1] - radii[0]");
+    check_lengths([(pin, "radii[0]"), clearance, (length, "length")])?;
     let film = film.between(pin, bore - pin, length);
     let velocities = velocity.as_array();
     let rows = (eccentricity.as_slice()?.iter()).zip(velocities.rows());
@@ -187,13 +197,8 @@ pub(super) fn law_force<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let py = law.py();
     let modulus = describe::material(material, "material")?.contact_modulus();
-    for (value, name) in [
-        (radius_i, "radii[0]"),
-        (radius_j, "radii[1]"),
-        (length, "length"),
-    ] {
-        describe::checked(py, check::positive(name, value, "m"))?;
-    }
+    let radii = [(radius_i, "radii[0]"), (radius_j, "radii[1]")];
+    check_lengths([radii[0], radii[1], (length, "length")])?;
     let pair = match kind {
         "internal" if radius_j > radius_i => {
             SurfacePair::internal(radius_i, radius_j, length, modulus)
@@ -201,24 +206,12 @@ pub(super) fn law_force<'py>(
         "external" => SurfacePair::external(radius_i, radius_j, length, modulus),
         "flat" => SurfacePair::flat(radius_i, radius_j, length, modulus),
         "internal" => {
-            return Err(to_python(
-                py,
-                &Error::invalid(
-                    "radii[1]",
-                    radius_j,
-                    format!("must be larger than radii[0], {radius_i} m"),
-                ),
-            ));
+            let expected = format!("must be larger than radii[0], {radius_i} m");
+            return Err(Error::invalid("radii[1]", radius_j, expected).into());
         }
         _ => {
-            return Err(to_python(
-                py,
-                &Error::invalid(
-                    "kind",
-                    kind,
-                    "must be \"internal\", \"external\" or \"flat\"",
-                ),
-            ));
+            let expected = "must be \"internal\", \"external\" or \"flat\"";
+            return Err(Error::invalid("kind", kind, expected).into());
         }
     };
     let (law, _) = describe::law_and_friction(law, "law")?;
@@ -231,10 +224,9 @@ pub(super) fn effective_restitution(
     damping: &str,
     restitution: &Bound<'_, PyAny>,
 ) -> PyResult<f64> {
-    let py = restitution.py();
-    let law = describe::damping(damping, py)?;
+    let law = describe::damping(damping)?;
     let asked = describe::number(restitution, "restitution", "1")?;
-    describe::checked(py, check::within("restitution", asked, 0.0, 1.0))?;
-    describe::checked(py, law.check("restitution", asked))?;
+    check::within("restitution", asked, 0.0, 1.0)?;
+    law.check("restitution", asked)?;
     Ok(obtained(law.lambda(asked)))
 }

@@ -4,11 +4,12 @@ use numpy::{IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use super::arrays::table;
 use super::core::Core;
 use super::describe;
 use super::drive_mechanism::ideal_contacts;
 use super::errors::InvalidInput;
-use super::evaluation::mechanism_evaluation;
+use super::evaluation::{mechanism_evaluation, put_bushing_contacts};
 use super::mechanism_callable::{Raised, take};
 use super::starts::{DriveScene, interrupted};
 use crate::geometry::Vec2;
@@ -47,7 +48,7 @@ pub(super) fn ideal_core(
         IdealDrive::new(&drive, &contacts, start.as_ref(), control, &give_up)
     });
     take(&raised)?;
-    let (simulation, start) = describe::checked(py, made)?;
+    let (simulation, start) = made?;
     let moved = simulation.assembly().moved;
     let far = positions.is_some() && moved > FAR * drive.chain.pitch;
     let note = far.then(|| {
@@ -108,19 +109,9 @@ pub(super) fn ideal_evaluation<'py>(
         .flat_map(|k| (0..view.sprockets()).map(move |s| (k, s)))
         .map(|(k, s)| view.bushing_contact(&row, k, s))
         .collect();
-    let real = |value: fn(&BushingContact) -> f64| {
-        let values: Vec<f64> = contacts.iter().map(value).collect();
-        values.into_pyarray(py).reshape(shape)
-    };
-    let whole = |value: fn(&BushingContact) -> i32| {
-        let values: Vec<i32> = contacts.iter().map(value).collect();
-        values.into_pyarray(py).reshape(shape)
-    };
     let sizes = |values: &[Vec2]| -> Vec<f64> { values.iter().map(|v| v.x.hypot(v.y)).collect() };
     let on_pins = view.on_pins(row.reactions);
     let apart = view.eccentricities(row.positions);
-    let vectors: Vec<f64> = on_pins.iter().flat_map(|v| [v.x, v.y]).collect();
-    let pushes: Vec<f64> = contacts.iter().flat_map(|found| found.vector).collect();
     let own = rows.accelerations()[..3 * view.bodies()].to_vec();
     found.set_item(
         "accelerations",
@@ -128,13 +119,8 @@ pub(super) fn ideal_evaluation<'py>(
     )?;
     found.set_item("hinge_force", sizes(&on_pins).into_pyarray(py))?;
     found.set_item("hinge_penetration", sizes(&apart).into_pyarray(py))?;
-    let vectors = vectors.into_pyarray(py).reshape([view.links(), 2])?;
+    let vectors = table(py, on_pins.into_iter().map(<[f64; 2]>::from).collect())?;
     found.set_item("hinge_force_vector", vectors)?;
-    found.set_item("tooth_force", real(|found| found.force)?)?;
-    found.set_item("tooth_penetration", real(|found| found.penetration)?)?;
-    let pushes = pushes.into_pyarray(py).reshape([shape[0], shape[1], 2])?;
-    found.set_item("tooth_force_vector", pushes)?;
-    found.set_item("tooth_region", whole(|found| found.region)?)?;
-    found.set_item("tooth_index", whole(|found| found.gap)?)?;
+    put_bushing_contacts(&found, shape, &contacts)?;
     Ok(found)
 }

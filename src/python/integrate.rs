@@ -4,8 +4,6 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::describe;
-use super::errors::to_python;
 use crate::error::{Error, Result, check};
 use crate::integrator::{Adams, OdeSystem, StepControl};
 
@@ -27,14 +25,9 @@ impl Callable<'_> {
         let array = array.readonly();
         let found = array.as_array();
         if found.len() != dydt.len() {
-            return Err(to_python(
-                py,
-                &Error::invalid(
-                    "fun",
-                    format!("{} values", found.len()),
-                    format!("must return {} values", dydt.len()),
-                ),
-            ));
+            let value = format!("{} values", found.len());
+            let expected = format!("must return {} values", dydt.len());
+            return Err(Error::invalid("fun", value, expected).into());
         }
         for (slot, value) in dydt.iter_mut().zip(found) {
             *slot = *value;
@@ -112,8 +105,7 @@ pub(super) fn integrate<'py>(
         Some(times) => times.as_array().to_vec(),
         None => vec![t_span.1],
     };
-    let checked = check_integration(t_span, &control, &times, y0.len());
-    describe::checked(py, checked)?;
+    check_integration(t_span, &control, &times, y0.len())?;
     let mut system = Callable {
         function: fun.clone(),
         dimension: y0.len(),
@@ -131,7 +123,7 @@ pub(super) fn integrate<'py>(
             py.check_signals()?;
             outcome.map_err(|failure| {
                 let name = |_, component| format!("component {component}");
-                to_python(py, &failure.into_error(name))
+                PyErr::from(failure.into_error(name))
             })?;
         }
         adams.interpolate(t, row);

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use super::arrays::table;
 use super::describe;
 use super::drive_mechanism::ideal_contacts;
-use super::errors::{InvalidInput, to_python};
+use super::errors::InvalidInput;
 use super::interrupt::interruptible;
 use super::mechanism::mechanism;
 use super::mechanism_callable::{Raised, take};
@@ -17,14 +17,17 @@ use crate::geometry::Vec2;
 use crate::layout::InitialConfiguration;
 use crate::run::equilibrium::Equilibrium;
 
+fn each<T, V>(items: &[T], value: impl Fn(&T) -> V) -> Vec<V> {
+    items.iter().map(value).collect()
+}
+
 /// Generate the layout of a drive and return its properties.
 #[pyfunction]
 pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let py = drive.py();
     let description = describe::drive(drive)?;
-    let (_, layout) = describe::checked(py, InitialConfiguration::generate(&description))?;
+    let (_, layout) = InitialConfiguration::generate(&description)?;
     let found = PyDict::new(py);
-    let numbered = |sprockets: &[usize]| sprockets.iter().map(|s| s + 1).collect::<Vec<_>>();
     let teeth: Vec<u32> = description.sprockets.iter().map(|s| s.teeth).collect();
     let gap_angle = |i: usize| std::f64::consts::TAU / f64::from(teeth[i]);
     let wrap_angle: Vec<f64> = (0..teeth.len())
@@ -36,16 +39,9 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     found.set_item("links", description.chain.links)?;
     found.set_item("pitch", description.chain.pitch)?;
     found.set_item("belt_pitches", layout.belt_pitches)?;
-    found.set_item("order", numbered(&layout.order))?;
+    found.set_item("order", each(&layout.order, |sprocket| sprocket + 1))?;
     found.set_item("teeth", teeth)?;
-    found.set_item(
-        "sides",
-        layout
-            .sides
-            .iter()
-            .map(|side| side.name())
-            .collect::<Vec<_>>(),
-    )?;
+    found.set_item("sides", each(&layout.sides, |side| side.name()))?;
     found.set_item("center_distance", layout.center_distance)?;
     found.set_item("closing_center_distance", layout.closing_center_distance)?;
     found.set_item("pitch_radius", layout.pitch_radius)?;
@@ -65,26 +61,11 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     found.set_item("speed_ratios", layout.speed_ratio)?;
     found.set_item("tension_force", layout.tension_force)?;
     let guides = &layout.guides;
-    found.set_item(
-        "guide_gap",
-        guides.iter().map(|g| g.gap).collect::<Vec<_>>(),
-    )?;
-    found.set_item(
-        "guide_turn",
-        guides.iter().map(|g| g.turn).collect::<Vec<_>>(),
-    )?;
-    found.set_item(
-        "guide_travel",
-        guides.iter().map(|g| g.travel).collect::<Vec<_>>(),
-    )?;
-    found.set_item(
-        "guide_bushings",
-        guides.iter().map(|g| g.bushings).collect::<Vec<_>>(),
-    )?;
-    found.set_item(
-        "guide_place",
-        guides.iter().map(|g| g.place.clone()).collect::<Vec<_>>(),
-    )?;
+    found.set_item("guide_gap", each(guides, |guide| guide.gap))?;
+    found.set_item("guide_turn", each(guides, |guide| guide.turn))?;
+    found.set_item("guide_travel", each(guides, |guide| guide.travel))?;
+    found.set_item("guide_bushings", each(guides, |guide| guide.bushings))?;
+    found.set_item("guide_place", each(guides, |guide| guide.place.clone()))?;
     found.set_item("warnings", layout.warnings)?;
     Ok(found)
 }
@@ -102,7 +83,7 @@ pub(super) fn static_start<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py
         Some(contacts) => Equilibrium::of_ideal_drive(&description, contacts, give_up),
         None => Equilibrium::find_unless(&description, &laws, give_up),
     })?;
-    rest_values(py, describe::checked(py, rest)?)
+    rest_values(py, rest?)
 }
 
 /// Find the static equilibrium of a mechanism: positions, velocities and surfaces at the start of a run, and the residual.
@@ -117,7 +98,7 @@ pub(super) fn mechanism_static_start<'py>(
         Equilibrium::of_mechanism(&description, give_up)
     });
     take(&raised)?;
-    rest_values(py, describe::checked(py, rest?)?)
+    rest_values(py, rest??)
 }
 
 /// Return the values of an equilibrium.
@@ -149,8 +130,8 @@ pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
 #[pyfunction]
 pub(super) fn links_around(drive: &Bound<'_, PyAny>) -> PyResult<u32> {
     let description = describe::drive(drive)?;
-    describe::checked(drive.py(), description.validate())?;
-    describe::checked(drive.py(), crate::layout::links_around(&description))
+    description.validate()?;
+    Ok(crate::layout::links_around(&description)?)
 }
 
 /// Return the displacement of sprocket `number` along `direction` at which a drive's chain is taut \[m\], searched within `reach` \[m\].
@@ -161,27 +142,24 @@ pub(super) fn closing_move(
     direction: (f64, f64),
     reach: f64,
 ) -> PyResult<f64> {
-    let py = drive.py();
     let description = one_of(drive, number)?;
     let farthest = f64::from(MOST_LINKS) * description.chain.pitch;
-    describe::checked(py, check::within("reach", reach, 0.0, farthest))?;
+    check::within("reach", reach, 0.0, farthest)?;
     let along = Vec2::new(direction.0, direction.1);
     if !(along.norm().is_finite() && along.norm() > 0.0) {
         let expected = "must be two finite numbers, not both zero";
         let shown = format!("({}, {})", along.x, along.y);
-        return Err(to_python(py, &Error::invalid("direction", shown, expected)));
+        return Err(Error::invalid("direction", shown, expected).into());
     }
-    describe::checked(
-        py,
-        crate::layout::closing_move(&description, number - 1, along, reach),
-    )
+    let moved = crate::layout::closing_move(&description, number - 1, along, reach)?;
+    Ok(moved)
 }
 
 /// Return the unit vector along which sprocket `number` of a drive tightens both adjacent strands equally.
 #[pyfunction]
 pub(super) fn bisector(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<(f64, f64)> {
     let description = one_of(drive, number)?;
-    let line = describe::checked(drive.py(), BeltLine::of(&description))?;
+    let line = BeltLine::of(&description)?;
     let along = -line.belt.pull(line.place_of(number - 1)).normalize();
     Ok((along.x, along.y))
 }
@@ -189,19 +167,19 @@ pub(super) fn bisector(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<(f64
 /// Read a drive that has a sprocket of this number.
 fn one_of(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<Drive> {
     let description = describe::drive(drive)?;
-    describe::checked(drive.py(), description.validate())?;
+    description.validate()?;
     let count = description.sprockets.len();
     if (1..=count).contains(&number) {
         return Ok(description);
     }
     let expected = format!("must be the number of a sprocket, 1 to {count}");
-    let refusal = Error::invalid("adjust", number, expected);
-    Err(to_python(drive.py(), &refusal))
+    Err(Error::invalid("adjust", number, expected).into())
 }
 
 fn positive(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
     let found = describe::number(value, field, unit)?;
-    describe::checked(value.py(), check::positive(field, found, unit)).map(|()| found)
+    check::positive(field, found, unit)?;
+    Ok(found)
 }
 
 /// Return the centre distance \[m\] at which both strands are taut and straight.
@@ -213,9 +191,8 @@ pub(super) fn closing_center_distance(
 ) -> PyResult<f64> {
     let pitch = positive(pitch, "pitch", "m")?;
     let teeth = describe::two_teeth(teeth)?;
-    let count = describe::count(links, "links")?;
-    describe::checked(links.py(), check_links("links", count))?;
-    let links = count;
+    let links = describe::count(links, "links")?;
+    check_links("links", links)?;
     crate::layout::closing_center_distance(pitch, teeth, links).ok_or_else(|| {
         let fewest = fewest_links(pitch, teeth);
         InvalidInput::new_err(format!(
@@ -246,13 +223,11 @@ pub(super) fn links_for(
     teeth: &Bound<'_, PyAny>,
     center_distance: &Bound<'_, PyAny>,
 ) -> PyResult<u32> {
-    let py = pitch.py();
     let pitch = positive(pitch, "pitch", "m")?;
     let teeth = describe::two_teeth(teeth)?;
     let center_distance = positive(center_distance, "center_distance", "m")?;
     // Two strands of this length form the longest chain.
     let farthest = 0.5 * f64::from(MOST_LINKS) * pitch;
-    let allowed = check::within("center_distance", center_distance, 0.0, farthest);
-    describe::checked(py, allowed)?;
+    check::within("center_distance", center_distance, 0.0, farthest)?;
     Ok(crate::layout::links_for(pitch, teeth, center_distance))
 }

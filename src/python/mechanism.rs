@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use super::arrays::rows;
 use super::core::Core;
-use super::describe::{Reader, checked, friction, number, refuse, signal, table, truth};
+use super::describe::{Reader, friction, number, refuse, signal, table, truth};
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom, take};
 use super::mechanism_contact::contact;
@@ -62,33 +62,24 @@ pub(super) fn text(read: &Reader<'_, '_>, field: &str) -> PyResult<String> {
     let value = read.get(field)?;
     value
         .extract()
-        .map_err(|_| refuse(value.py(), field, &value, "must be text"))
+        .map_err(|_| refuse(field, &value, "must be text"))
 }
 
 fn optional_text(read: &Reader<'_, '_>, field: &str) -> PyResult<Option<String>> {
-    if read.get(field)?.is_none() {
-        return Ok(None);
-    }
-    text(read, field).map(Some)
+    let given = !read.get(field)?.is_none();
+    given.then(|| text(read, field)).transpose()
 }
 
 fn optional(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<Option<f64>> {
-    if value.is_none() {
-        return Ok(None);
-    }
-    number(value, field, unit).map(Some)
+    let given = !value.is_none();
+    given.then(|| number(value, field, unit)).transpose()
 }
 
 fn triple(read: &Reader<'_, '_>, field: &str, unit: &str) -> PyResult<[f64; 3]> {
     let value = read.get(field)?;
-    let parts: [Bound<'_, PyAny>; 3] = value.extract().map_err(|_| {
-        refuse(
-            value.py(),
-            field,
-            &value,
-            &format!("must be three numbers in {unit}"),
-        )
-    })?;
+    let parts: [Bound<'_, PyAny>; 3] = value
+        .extract()
+        .map_err(|_| refuse(field, &value, &format!("must be three numbers in {unit}")))?;
     let [x, y, angle] = parts.map(|part| number(&part, field, unit));
     Ok([x?, y?, angle?])
 }
@@ -149,12 +140,7 @@ fn joint(object: &Bound<'_, PyAny>) -> PyResult<Joint> {
             motion: motion(&read)?,
         },
         _ => {
-            return Err(refuse(
-                object.py(),
-                "kind",
-                &read.get("kind")?,
-                "is no joint",
-            ));
+            return Err(refuse("kind", &read.get("kind")?, "is no joint"));
         }
     };
     Ok(Joint {
@@ -196,21 +182,17 @@ fn motion(read: &Reader<'_, '_>) -> PyResult<Motion> {
 pub(super) fn pairs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<(f64, f64)>> {
     value
         .extract()
-        .map_err(|_| refuse(value.py(), field, value, "must be rows of two numbers"))
+        .map_err(|_| refuse(field, value, "must be rows of two numbers"))
 }
 
 fn spring_law(read: &Reader<'_, '_>) -> PyResult<SpringLaw> {
     let given = read.get("table")?;
-    let of_way = || table(&given, "table", ("argument", "m or rad"), "N or N m");
+    let of_table = || table(&given, "table", ("argument", "m or rad"), "N or N m");
     Ok(SpringLaw {
         stiffness: read.number("stiffness", "N/m")?,
         cubic: read.number("cubic", "N/m^3")?,
         damping: read.number("damping", "N s/m")?,
-        table: if given.is_none() {
-            None
-        } else {
-            Some(of_way()?)
-        },
+        table: (!given.is_none()).then(of_table).transpose()?,
     })
 }
 
@@ -242,12 +224,7 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
         },
         "custom" => custom(&name, &read.get("function")?, raised)?,
         _ => {
-            return Err(refuse(
-                object.py(),
-                "kind",
-                &read.get("kind")?,
-                "is no force",
-            ));
+            return Err(refuse("kind", &read.get("kind")?, "is no force"));
         }
     };
     Ok(ForceElement { name, a, b, kind })
@@ -269,8 +246,8 @@ pub(super) fn mechanism_core(
     let raised = Raised::default();
     let description = mechanism(description, &raised)?;
     let control = super::describe::solver(solver)?;
-    let positions = rows(py, "positions", positions.as_ref())?;
-    let velocities = rows(py, "velocities", velocities.as_ref())?;
+    let positions = rows("positions", positions.as_ref())?;
+    let velocities = rows("velocities", velocities.as_ref())?;
     let made = contained(|| {
         let model = MechanismModel::compile(&description)?;
         let give_up = || interrupted(py, &raised);
@@ -285,7 +262,7 @@ pub(super) fn mechanism_core(
         MechanismSimulation::assemble_from(model, &start, control, &give_up)
     });
     take(&raised)?;
-    let mut simulation = AnySimulation::Mechanism(checked(py, made)?);
+    let mut simulation = AnySimulation::Mechanism(made?);
     let start = [simulation.positions(), simulation.velocities()];
     Ok(Core::of(simulation, start, raised))
 }

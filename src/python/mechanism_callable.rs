@@ -20,7 +20,6 @@ pub(super) fn custom(
 ) -> PyResult<ForceKind> {
     if !function.is_callable() {
         return Err(refuse(
-            function.py(),
             "function",
             function,
             "must be callable: f(time, position, velocity) that returns (force x, force y, torque)",
@@ -63,7 +62,6 @@ fn call(
         .filter(|load| load.iter().all(|part| part.is_finite()))
         .ok_or_else(|| {
             refuse(
-                py,
                 &format!("load of force {name:?} at t = {t} s"),
                 load.bind(py),
                 "must be three finite numbers (force x, force y, torque)",

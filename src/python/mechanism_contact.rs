@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::describe::{
-    Reader, chain, checked, law_and_friction, material, number, refuse, sprocket, tribology, truth,
+    Reader, chain, law_and_friction, material, number, refuse, sprocket, tribology, truth,
 };
 use super::mechanism::{markers, pairs, text};
 use crate::geometry::Vec2;
@@ -32,11 +32,11 @@ pub(super) fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
         "sprocket" => {
             let wheel = sprocket(&read.get("sprocket")?, &field)?;
             let chain = chain(&read.get("chain")?, &field)?;
-            Profile::Teeth(Box::new(checked(object.py(), wheel.tooth_profile(&chain))?))
+            Profile::Teeth(Box::new(wheel.tooth_profile(&chain)?))
         }
         "polyline" => {
             let points = points(&read.get("points")?, &field)?;
-            checked(object.py(), Profile::polyline(&field, &points, closed()?))?
+            Profile::polyline(&field, &points, closed()?)?
         }
         _ => Profile::Outline {
             pieces: arcs(&read.get("points")?, &field)?,
@@ -59,7 +59,7 @@ pub(super) fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
 fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
     let rows: Vec<[f64; 7]> = value
         .extract()
-        .map_err(|_| refuse(value.py(), field, value, "must be rows of seven numbers"))?;
+        .map_err(|_| refuse(field, value, "must be rows of seven numbers"))?;
     Ok(rows
         .into_iter()
         .map(|[fx, fy, tx, ty, cx, cy, convex]| Piece {
@@ -105,7 +105,7 @@ fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
         },
         _ => {
             let material = material(&read.get("material")?, "material")?;
-            checked(object.py(), material.validate())?;
+            material.validate()?;
             ContactLaw::Surfaces {
                 law: law_and_friction(&read.get("law")?, "law")?.0,
                 contact_modulus: material.contact_modulus(),

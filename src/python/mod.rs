@@ -17,7 +17,6 @@ mod mechanism;
 mod mechanism_callable;
 mod mechanism_contact;
 mod starts;
-mod surfaces;
 mod toml;
 
 use pyo3::prelude::*;
@@ -49,7 +48,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::tooth_contacts, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_surfaces, module)?)?;
     module.add_function(wrap_pyfunction!(drive_mechanism::drive_mechanism, module)?)?;
-    module.add_function(wrap_pyfunction!(surfaces::tooth_radii, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::tooth_radii, module)?)?;
     module.add_function(wrap_pyfunction!(functions::chain_links, module)?)?;
     module.add_function(wrap_pyfunction!(functions::link_stiffness, module)?)?;
     module.add_function(wrap_pyfunction!(functions::film_forces, module)?)?;

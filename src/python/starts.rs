@@ -7,12 +7,11 @@ use pyo3::prelude::*;
 
 use super::arrays::rows;
 use super::describe;
-use super::errors::to_python;
 use super::mechanism_callable::Raised;
 use crate::chain::contact::ToothJump;
 use crate::chain::model::ForceLaws;
 use crate::drive::{Drive, InputQuantity};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
@@ -64,9 +63,17 @@ impl DriveScene {
         Ok(Self {
             laws: describe::force_laws(scene)?,
             control: describe::solver(&scene.getattr("solver")?)?,
-            start: own_start(scene.py(), &drive, place)?,
+            start: own_start(&drive, place)?,
             drive,
         })
+    }
+
+    /// Return the start of the user, or the generated one.
+    pub(super) fn own_or_generated_start(&self) -> Result<InitialConfiguration> {
+        match &self.start {
+            Some(start) => Ok(start.clone()),
+            None => Ok(InitialConfiguration::generate(&self.drive)?.0),
+        }
     }
 }
 
@@ -85,12 +92,11 @@ pub(super) fn drive_of(scene: &Bound<'_, PyAny>) -> PyResult<Drive> {
 ///
 /// Surfaces are those of [`InitialConfiguration::surfaces`], at given positions.
 fn own_start(
-    py: Python<'_>,
     drive: &Drive,
     (positions, velocities, surfaces): Place<'_, '_>,
 ) -> PyResult<Option<InitialConfiguration>> {
-    let positions = rows(py, "positions", positions)?;
-    let velocities = rows(py, "velocities", velocities)?;
+    let positions = rows("positions", positions)?;
+    let velocities = rows("velocities", velocities)?;
     match (positions, velocities) {
         (None, None) => Ok(None),
         (Some(positions), Some(velocities)) => Ok(Some(InitialConfiguration {
@@ -99,17 +105,15 @@ fn own_start(
             surfaces,
         })),
         (None, Some(velocities)) => {
-            let generated = contained(|| InitialConfiguration::generate(drive));
-            let (generated, _) = describe::checked(py, generated)?;
+            let (generated, _) = contained(|| InitialConfiguration::generate(drive))?;
             Ok(Some(InitialConfiguration {
                 velocities,
                 ..generated
             }))
         }
-        (Some(_), None) => Err(to_python(
-            py,
-            &Error::invalid("velocities", "None", "must be given when positions are"),
-        )),
+        (Some(_), None) => {
+            Err(Error::invalid("velocities", "None", "must be given when positions are").into())
+        }
     }
 }
 

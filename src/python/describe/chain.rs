@@ -1,9 +1,8 @@
 //! Readers of a chain, its links, hinges and material.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
-use super::reader::{Reader, count, kind_of, number, refuse};
+use super::reader::{Reader, kind_of, number};
 use crate::drive::{
     Chain, ClearanceHinge, Link, LinkStiffness, Material, Plates, Roller, Variation,
 };
@@ -54,76 +53,36 @@ pub(super) fn plates(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Plates>
     })
 }
 
-/// Read rows (number of a link, mass).
-fn carried(read: &Reader<'_, '_>) -> PyResult<Vec<(u32, f64)>> {
-    const NAME: &str = "Chain.carried";
-    let rows = read.get("carried")?;
-    let wrong = |value: &Bound<'_, PyAny>| {
-        let expected = "must be rows (number of the link from 1, mass in kg)";
-        refuse(value.py(), NAME, value, expected)
-    };
-    let Ok(rows) = rows.cast::<PyTuple>() else {
-        return Err(wrong(&rows));
-    };
-    let row = |row: Bound<'_, PyAny>| {
-        let Ok([link, mass]) = row.extract::<[Bound<'_, PyAny>; 2]>() else {
-            return Err(wrong(&row));
-        };
-        Ok((count(&link, NAME)?, number(&mass, NAME, "kg")?))
-    };
-    rows.iter().map(row).collect()
-}
-
 /// Read a stiffness, or the plates that determine it.
-fn link_stiffness(read: &Reader<'_, '_>) -> PyResult<Option<LinkStiffness>> {
-    const NAME: &str = "link_stiffness";
-    let given = read.get(NAME)?;
-    if given.is_none() {
-        return Ok(None);
-    }
-    if kind_of(&given) == "Plates" {
-        return plates(&given, "Chain.link_stiffness")
-            .map(|plates| Some(LinkStiffness::Of(plates)));
-    }
-    let number = read.number(NAME, "N/m, or Plates")?;
-    Ok(Some(LinkStiffness::Given(number)))
+fn link_stiffness(given: &Bound<'_, PyAny>, name: &str) -> PyResult<LinkStiffness> {
+    Ok(match kind_of(given).as_str() {
+        "Plates" => LinkStiffness::Of(plates(given, name)?),
+        _ => LinkStiffness::Given(number(given, name, "N/m, or Plates")?),
+    })
 }
 
 pub(crate) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
     let read = Reader::new(object, field, &["Chain"])?;
     read.check_text("name")?;
+    let of_carried = "must be rows (number of the link from 1, mass in kg)";
     Ok(Chain {
         pitch: read.number("pitch", "m")?,
         links: read.count("links")?,
-        inner: link(&read.get("inner")?, "Chain.inner")?,
-        outer: link(&read.get("outer")?, "Chain.outer")?,
-        hinge: hinge(&read.get("hinge")?, "Chain.hinge")?,
+        inner: read.part("inner", link)?,
+        outer: read.part("outer", link)?,
+        hinge: read.part("hinge", hinge)?,
         bushing_radius: read.number("bushing_radius", "m")?,
         tooth_contact_length: read.number("tooth_contact_length", "m")?,
-        material: material(&read.get("material")?, "Chain.material")?,
-        offset: {
-            let offset = read.get("offset")?;
-            if offset.is_none() {
-                None
-            } else {
-                Some(link(&offset, "Chain.offset")?)
-            }
-        },
+        material: read.part("material", material)?,
+        offset: read.optional("offset", link)?,
         strands: read.count("strands")?,
         variation: Variation {
             elongation: read.numbers("elongation", "1")?,
             pitch_spread: read.number("pitch_spread", "1")?,
             seed: u64::from(read.count("seed")?),
         },
-        roller: {
-            let given = read.get("roller")?;
-            if given.is_none() {
-                None
-            } else {
-                Some(roller(&given, "Chain.roller")?)
-            }
-        },
-        link_stiffness: link_stiffness(&read)?,
-        carried: carried(&read)?,
+        roller: read.optional("roller", roller)?,
+        link_stiffness: read.optional("link_stiffness", link_stiffness)?,
+        carried: read.counted_rows("carried", of_carried, "kg")?,
     })
 }

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use super::reader::{Reader, checked, refuse, signal};
+use super::reader::{Reader, count, refuse, signal};
 use crate::drive::ChainEnd;
 use crate::math::{Signal, Table};
 
@@ -14,15 +14,11 @@ const STEEL: f64 = 7850.0;
 /// Read an end of an open chain.
 pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ChainEnd> {
     let read = Reader::new(object, field, &ENDS)?;
-    let links = if read.get("links")?.is_none() {
-        None
-    } else {
-        Some(read.count("links")?)
-    };
+    let links = read.optional("links", count)?;
     Ok(match read.kind.as_str() {
         "AnchoredEnd" => ChainEnd::Anchor {
             position: read.vector("position", "m")?,
-            velocity: end_velocity(&read)?,
+            velocity: read.part("velocity", end_velocity)?,
             links,
         },
         "LoadedEnd" => {
@@ -49,13 +45,11 @@ pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chai
 }
 
 /// Read two functions of time, or rows (time, x, y).
-fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[Signal; 2]> {
-    const NAME: &str = "AnchoredEnd.velocity";
-    let value = read.get("velocity")?;
+fn end_velocity(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[Signal; 2]> {
     let wrong = || {
         let expected =
             "must be two numbers (x, y) in m/s, two functions of time, or rows (time, x, y)";
-        refuse(value.py(), NAME, &value, expected)
+        refuse(name, value, expected)
     };
     let given = value.cast::<PyTuple>().map_err(|_| wrong())?;
     let first = given.get_item(0).map_err(|_| wrong())?;
@@ -63,36 +57,29 @@ fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[Signal; 2]> {
         let Ok([x, y]) = given.extract::<[Bound<'_, PyAny>; 2]>() else {
             return Err(wrong());
         };
-        return Ok([signal(&x, NAME, "m/s")?, signal(&y, NAME, "m/s")?]);
+        return Ok([signal(&x, name, "m/s")?, signal(&y, name, "m/s")?]);
     }
     let mut both = [Vec::new(), Vec::new()];
     for row in given {
         let Ok([t, x, y]) = row.extract::<[f64; 3]>() else {
             let expected = "each row must be (time, x, y) in s and m/s";
-            return Err(refuse(row.py(), NAME, &row, expected));
+            return Err(refuse(name, &row, expected));
         };
         both[0].push((t, x));
         both[1].push((t, y));
     }
-    let table = |rows: &[(f64, f64)]| {
-        let made = Table::new(NAME, "m/s", rows);
-        checked(value.py(), made).map(Signal::Table)
-    };
+    let table = |rows: &[(f64, f64)]| Table::new(name, "m/s", rows).map(Signal::Table);
     Ok([table(&both[0])?, table(&both[1])?])
 }
 
 /// Read the two ends of an open chain.
-pub(super) fn chain_ends(read: &Reader<'_, '_>) -> PyResult<Option<[ChainEnd; 2]>> {
-    let value = read.get("ends")?;
-    if value.is_none() {
-        return Ok(None);
-    }
+pub(super) fn chain_ends(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[ChainEnd; 2]> {
     let Ok([first, last]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
         let expected = "must be None, or two of AnchoredEnd, LoadedEnd and FreeEnd";
-        return Err(refuse(value.py(), "ChainDrive.ends", &value, expected));
+        return Err(refuse(name, value, expected));
     };
-    Ok(Some([
-        chain_end(&first, "ChainDrive.ends.1")?,
-        chain_end(&last, "ChainDrive.ends.2")?,
-    ]))
+    Ok([
+        chain_end(&first, &format!("{name}.1"))?,
+        chain_end(&last, &format!("{name}.2"))?,
+    ])
 }

@@ -2,14 +2,13 @@
 
 use pyo3::prelude::*;
 
-use super::reader::{Reader, checked, kind_of, number, refuse};
+use super::reader::{Reader, kind_of, number, refuse};
 use crate::chain::model::ForceLaws;
 use crate::error::{Error, check};
 use crate::force_law::{
     Damping, Elastic, Film, ForceLaw, Friction, LuGre, Regions, Regularization,
 };
 use crate::multibody::{FrictionLaw, Tribology};
-use crate::python::errors::to_python;
 
 pub(super) const LAWS: [&str; 9] = [
     "LankaraniNikravesh",
@@ -25,16 +24,10 @@ pub(super) const LAWS: [&str; 9] = [
 
 /// Read friction and lubricant film of a contact law.
 pub(crate) fn tribology(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
-    let field =
-        |name: &str| Ok::<_, PyErr>((object.getattr(name)?, format!("{}.{name}", kind_of(object))));
-    let ((rubs, friction), (fills, lubricant)) = (field("friction")?, field("film")?);
+    let read = Reader::of(object);
     Ok(Tribology {
-        friction: (!rubs.is_none())
-            .then(|| rubbing(&rubs, &friction))
-            .transpose()?,
-        film: (!fills.is_none())
-            .then(|| film(&fills, &lubricant))
-            .transpose()?,
+        friction: read.optional("friction", rubbing)?,
+        film: read.optional("film", film)?,
     })
 }
 
@@ -44,16 +37,12 @@ fn law_reader<'a, 'py>(object: &'a Bound<'py, PyAny>, field: &str) -> PyResult<R
         return Reader::new(object, field, &LAWS);
     }
     let expected = "expected a force law such as LankaraniNikravesh() or Hertz()";
-    Err(refuse(object.py(), field, object, expected))
+    Err(refuse(field, object, expected))
 }
 
 /// Read the lubricant film of a force law, if any.
 pub(super) fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option<Film>> {
-    let fills = law_reader(object, field)?.get("film")?;
-    if fills.is_none() {
-        return Ok(None);
-    }
-    film(&fills, &format!("{}.film", kind_of(object))).map(Some)
+    law_reader(object, field)?.optional("film", film)
 }
 
 /// Read a `LubricantFilm` and check it.
@@ -65,7 +54,7 @@ pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
         handover: read.number("handover", "a part of the clearance")?,
         tension: read.number("tension", "Pa")?,
     };
-    checked(object.py(), film.check("LubricantFilm"))?;
+    film.check("LubricantFilm")?;
     Ok(film)
 }
 
@@ -73,7 +62,6 @@ pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
 fn without_film(object: &Bound<'_, PyAny>) -> PyResult<()> {
     if film_of(object, "tooth_law")?.is_some() {
         return Err(refuse(
-            object.py(),
             &format!("{}.film", kind_of(object)),
             &object.getattr("film")?,
             "must be None in tooth_law: only hinges have a film",
@@ -98,8 +86,7 @@ pub(crate) fn law_and_friction(
         )?,
         "Linear" => {
             let stiffness = read.number("stiffness", "N/m")?;
-            let allowed = check::positive("Linear.stiffness", stiffness, "N/m");
-            checked(object.py(), allowed)?;
+            check::positive("Linear.stiffness", stiffness, "N/m")?;
             Elastic::Linear(stiffness)
         }
         _ => read.word("elastic", &Elastic::ALL.map(|law| (law.name(), law)))?,
@@ -114,10 +101,7 @@ pub(crate) fn law_and_friction(
             &[("kept", Regions::Kept), ("sharp", Regions::Sharp)],
         )?,
     };
-    let rubs = read.get("friction")?;
-    let name = format!("{}.friction", read.kind);
-    let friction = (!rubs.is_none()).then(|| rubbing(&rubs, &name));
-    Ok((law, friction.transpose()?))
+    Ok((law, read.optional("friction", rubbing)?))
 }
 
 fn coulomb(law: FrictionLaw) -> Option<Friction> {
@@ -156,7 +140,7 @@ fn lugre(object: &Bound<'_, PyAny>, field: &str) -> PyResult<LuGre> {
         stribeck_speed: read.number("stribeck_speed", "m/s")?,
         stribeck_exponent: read.number("stribeck_exponent", "powers of the speed")?,
     };
-    checked(object.py(), bristles.check("LuGre"))?;
+    bristles.check("LuGre")?;
     Ok(bristles)
 }
 
@@ -172,17 +156,17 @@ pub(crate) fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Frict
         speed: read.number("speed", "m/s")?,
         dead_speed: read.number("dead_speed", "m/s")?,
     };
-    checked(object.py(), friction.check("Coulomb"))?;
+    friction.check("Coulomb")?;
     Ok(friction)
 }
 
 /// Read a damping by its name.
-pub(crate) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
+pub(crate) fn damping(name: &str) -> PyResult<Damping> {
     let known = Damping::ALL.into_iter().find(|law| law.name() == name);
     known.ok_or_else(|| {
         let names = Damping::ALL.map(|law| format!("\"{}\"", law.name()));
         let expected = format!("must be one of {}", names.join(", "));
-        to_python(py, &Error::invalid("damping", name, expected))
+        Error::invalid("damping", name, expected).into()
     })
 }
 
@@ -205,8 +189,8 @@ pub(crate) fn law_or_common<'py>(
 /// Read and check the lower bound on impact velocities \[m/s\].
 pub(crate) fn min_impact_velocity(value: &Bound<'_, PyAny>) -> PyResult<f64> {
     let least = number(value, "min_impact_velocity", "m/s")?;
-    let allowed = check::positive("min_impact_velocity", least, "m/s");
-    checked(value.py(), allowed).map(|()| least)
+    check::positive("min_impact_velocity", least, "m/s")?;
+    Ok(least)
 }
 
 /// Read the laws of a run; `None` for a law of hinges or teeth selects `force_law`.

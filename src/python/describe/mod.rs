@@ -10,7 +10,6 @@ mod teeth;
 mod tightening;
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
 use super::errors::InvalidInput;
 use crate::drive::{Drive, HingeKind};
@@ -28,9 +27,7 @@ pub(super) use laws::{
     damping, film, force_laws, friction, law_and_friction, law_of, law_or_common,
     min_impact_velocity, tribology,
 };
-pub(super) use reader::{
-    Reader, checked, count, finite, number, refuse, signal, table, truth, two_teeth,
-};
+pub(super) use reader::{Reader, count, finite, number, refuse, signal, table, truth, two_teeth};
 pub(super) use run::{drive_groups, ideal_groups, mechanism_groups, reports, solver};
 pub(super) use sprocket::sprocket;
 pub(super) use tightening::rail;
@@ -39,44 +36,14 @@ pub(super) use tightening::rail;
 pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
     let read = Reader::new(object, "drive", &["ChainDrive"])?;
     read.check_text("name")?;
-    let sprockets = read.get("sprockets")?;
-    let Ok(sprockets) = sprockets.cast::<PyTuple>() else {
-        return Err(refuse(
-            object.py(),
-            "ChainDrive.sprockets",
-            &sprockets,
-            "must be a sequence of Sprocket",
-        ));
-    };
-    let guides = read.get("guides")?;
-    let Ok(guides) = guides.cast::<PyTuple>() else {
-        return Err(refuse(
-            object.py(),
-            "ChainDrive.guides",
-            &guides,
-            "must be a sequence of GuideRail and SmoothIdler",
-        ));
-    };
-    let tight = read.get("tensioner")?;
+    let of_guides = "must be a sequence of GuideRail and SmoothIdler";
     Ok(Drive {
-        chain: chain(&read.get("chain")?, "ChainDrive.chain")?,
-        sprockets: sprockets
-            .iter()
-            .enumerate()
-            .map(|(i, s)| sprocket(&s, &format!("ChainDrive.sprockets.{}", i + 1)))
-            .collect::<PyResult<_>>()?,
-        tensioner: if tight.is_none() {
-            None
-        } else {
-            Some(tensioner(&tight, "ChainDrive.tensioner")?)
-        },
+        chain: read.part("chain", chain)?,
+        sprockets: read.sequence("sprockets", "must be a sequence of Sprocket", sprocket)?,
+        tensioner: read.optional("tensioner", tensioner)?,
         gravity: read.vector("gravity", "m/s^2")?,
-        guides: guides
-            .iter()
-            .enumerate()
-            .map(|(i, guide)| rail(&guide, &format!("ChainDrive.guides.{}", i + 1)))
-            .collect::<PyResult<_>>()?,
-        ends: chain_ends(&read)?,
+        guides: read.sequence("guides", of_guides, rail)?,
+        ends: read.optional("ends", chain_ends)?,
         hinge_kind: read.word(
             "hinges",
             &[
@@ -91,37 +58,37 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
 #[pyfunction]
 pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
     let object = description;
-    let outcome = match kind_of(object).as_str() {
-        "Material" => material(object, "")?.validate(),
-        "Link" => link(object, "")?.validate(),
-        "ClearanceHinge" => hinge(object, "")?.validate(),
-        "Roller" => roller(object, "")?.validate(),
-        "Plates" => plates(object, "")?.validate(),
-        "Chain" => chain(object, "")?.validate(),
-        kind if FORMS.contains(&kind) => tooth_form(object, "")?.validate(),
-        "ToothLine" | "ToothArc" => outline_piece(object, "").map(|_| Ok(()))?,
-        "PrescribedSpeed" | "AppliedTorque" | "Free" => motion(object, "").map(|_| Ok(()))?,
+    match kind_of(object).as_str() {
+        "Material" => material(object, "")?.validate()?,
+        "Link" => link(object, "")?.validate()?,
+        "ClearanceHinge" => hinge(object, "")?.validate()?,
+        "Roller" => roller(object, "")?.validate()?,
+        "Plates" => plates(object, "")?.validate()?,
+        "Chain" => chain(object, "")?.validate()?,
+        kind if FORMS.contains(&kind) => tooth_form(object, "")?.validate()?,
+        "ToothLine" | "ToothArc" => outline_piece(object, "").map(drop)?,
+        "PrescribedSpeed" | "AppliedTorque" | "Free" => motion(object, "").map(drop)?,
         // The argument of a table may be time or any other quantity.
-        "Table" => table(object, "Table.rows", ("argument", ""), "its unit").map(|_| Ok(()))?,
-        kind if SIGNALS.contains(&kind) => signal(object, kind, "its unit").map(|_| Ok(()))?,
-        "Sprocket" => sprocket(object, "")?.validate(),
-        "Tensioner" => tensioner(object, "")?.validate(),
-        "GuideArm" => arm(object, "")?.validate(),
-        "GuideRail" | "SmoothIdler" => rail(object, "guide")?.validate(),
-        kind if ENDS.contains(&kind) => chain_end(object, "")?.validate(),
-        "ChainDrive" => drive(object)?.validate(),
-        "Solver" => solver(object).map(|_| Ok(()))?,
+        "Table" => table(object, "Table.rows", ("argument", ""), "its unit").map(drop)?,
+        kind if SIGNALS.contains(&kind) => signal(object, kind, "its unit").map(drop)?,
+        "Sprocket" => sprocket(object, "")?.validate()?,
+        "Tensioner" => tensioner(object, "")?.validate()?,
+        "GuideArm" => arm(object, "")?.validate()?,
+        "GuideRail" | "SmoothIdler" => rail(object, "guide")?.validate()?,
+        kind if ENDS.contains(&kind) => chain_end(object, "")?.validate()?,
+        "ChainDrive" => drive(object)?.validate()?,
+        "Solver" => solver(object).map(drop)?,
         kind if LAWS.contains(&kind) => {
             film_of(object, "")?;
-            law_and_friction(object, "").map(|_| Ok(()))?
+            law_and_friction(object, "").map(drop)?
         }
-        "Coulomb" | "LuGre" => rubbing(object, "").map(|_| Ok(()))?,
-        "LubricantFilm" => film(object, "").map(|_| Ok(()))?,
+        "Coulomb" | "LuGre" => rubbing(object, "").map(drop)?,
+        "LubricantFilm" => film(object, "").map(drop)?,
         kind => {
             return Err(InvalidInput::new_err(format!(
                 "{kind} is not a description that this version knows"
             )));
         }
-    };
-    checked(object.py(), outcome)
+    }
+    Ok(())
 }

@@ -3,10 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString, PyTuple};
 
-use crate::error::{Error, Result, check};
+use crate::error::{Error, check};
 use crate::geometry::Vec2;
 use crate::math::{Signal, Spline, Table};
-use crate::python::errors::to_python;
 
 /// Description object with fields read by name.
 pub(crate) struct Reader<'a, 'py> {
@@ -21,16 +20,21 @@ impl<'a, 'py> Reader<'a, 'py> {
         field: &str,
         kinds: &[&str],
     ) -> PyResult<Self> {
-        let kind = kind_of(object);
-        if kinds.contains(&kind.as_str()) {
-            return Ok(Self { object, kind });
+        let read = Self::of(object);
+        if kinds.contains(&read.kind.as_str()) {
+            return Ok(read);
         }
         Err(refuse(
-            object.py(),
             field,
             object,
             &format!("must be {}", with_articles(kinds)),
         ))
+    }
+
+    /// Return a reader of an object of any class.
+    pub(super) fn of(object: &'a Bound<'py, PyAny>) -> Self {
+        let kind = kind_of(object);
+        Self { object, kind }
     }
 
     pub(super) fn name(&self, field: &str) -> String {
@@ -42,15 +46,63 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 
     pub(crate) fn number(&self, field: &str, unit: &str) -> PyResult<f64> {
-        number(&self.get(field)?, &self.name(field), unit)
+        self.part(field, |value, name| number(value, name, unit))
     }
 
     pub(crate) fn optional_number(&self, field: &str, unit: &str) -> PyResult<Option<f64>> {
-        let value = self.get(field)?;
-        if value.is_none() {
-            return Ok(None);
-        }
-        number(&value, &self.name(field), unit).map(Some)
+        self.optional(field, |value, name| number(value, name, unit))
+    }
+
+    /// Read a field with `of`, which gets the value and its name.
+    pub(super) fn part<T>(
+        &self,
+        field: &str,
+        of: impl FnOnce(&Bound<'py, PyAny>, &str) -> PyResult<T>,
+    ) -> PyResult<T> {
+        of(&self.get(field)?, &self.name(field))
+    }
+
+    /// Read a field as [`Self::part`]; none where it is Python's `None`.
+    pub(super) fn optional<T>(
+        &self,
+        field: &str,
+        of: impl FnOnce(&Bound<'py, PyAny>, &str) -> PyResult<T>,
+    ) -> PyResult<Option<T>> {
+        self.part(field, |value, name| {
+            let given = (!value.is_none()).then(|| of(value, name));
+            given.transpose()
+        })
+    }
+
+    /// Read a tuple, each item with `of`, which gets the item and its name with a number from 1; `expected` is for another type.
+    pub(super) fn sequence<T>(
+        &self,
+        field: &str,
+        expected: &str,
+        of: impl Fn(&Bound<'py, PyAny>, &str) -> PyResult<T>,
+    ) -> PyResult<Vec<T>> {
+        let (value, name) = (self.get(field)?, self.name(field));
+        let Ok(items) = value.cast::<PyTuple>() else {
+            return Err(refuse(&name, &value, expected));
+        };
+        let item = |(i, item)| of(&item, &format!("{name}.{}", i + 1));
+        items.iter().enumerate().map(item).collect()
+    }
+
+    /// Read rows of a count and a number; `expected` is for other rows.
+    pub(super) fn counted_rows(
+        &self,
+        field: &str,
+        expected: &str,
+        unit: &str,
+    ) -> PyResult<Vec<(u32, f64)>> {
+        let name = self.name(field);
+        self.sequence(field, expected, |row, _| {
+            let Ok([first, second]) = row.extract::<[Bound<'_, PyAny>; 2]>() else {
+                return Err(refuse(&name, row, expected));
+            };
+            Ok((count(&first, &name)?, number(&second, &name, unit)?))
+        })
     }
 
     /// Check that a display name is text; it has no other use here.
@@ -59,12 +111,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         if value.is_instance_of::<PyString>() {
             return Ok(());
         }
-        Err(refuse(
-            value.py(),
-            &self.name(field),
-            &value,
-            "must be text",
-        ))
+        Err(refuse(&self.name(field), &value, "must be text"))
     }
 
     /// Read a number, or a tuple of numbers.
@@ -78,7 +125,7 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 
     pub(super) fn count(&self, field: &str) -> PyResult<u32> {
-        count(&self.get(field)?, &self.name(field))
+        self.part(field, count)
     }
 
     pub(crate) fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
@@ -93,7 +140,6 @@ impl<'a, 'py> Reader<'a, 'py> {
             ));
         }
         Err(refuse(
-            value.py(),
             &self.name(field),
             &value,
             &match unit {
@@ -104,10 +150,7 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 
     pub(super) fn optional_vector(&self, field: &str, unit: &str) -> PyResult<Option<Vec2>> {
-        if self.get(field)?.is_none() {
-            return Ok(None);
-        }
-        self.vector(field, unit).map(Some)
+        self.optional(field, |_, _| self.vector(field, unit))
     }
 
     /// Read one of several words, each with a value; Python's `None` is the word "None".
@@ -132,7 +175,6 @@ impl<'a, 'py> Reader<'a, 'py> {
             })
             .collect();
         Err(refuse(
-            value.py(),
             &self.name(field),
             &value,
             &format!("must be {}", allowed.join(" or ")),
@@ -140,7 +182,7 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 
     pub(super) fn signal(&self, field: &str, unit: &str) -> PyResult<Signal> {
-        signal(&self.get(field)?, &self.name(field), unit)
+        self.part(field, |value, name| signal(value, name, unit))
     }
 }
 
@@ -149,10 +191,10 @@ pub(super) const SIGNALS: [&str; 4] = ["SmoothStep", "Table", "Spline", "Sines"]
 
 /// Read a function of time: a number, rows (time, value), or one of the signal classes.
 pub(crate) fn signal(value: &Bound<'_, PyAny>, name: &str, unit: &str) -> PyResult<Signal> {
-    let (py, axis) = (value.py(), ("time", "s"));
+    let axis = ("time", "s");
     if let Ok(tuple) = value.cast::<PyTuple>() {
         let rows = rows(tuple, name, axis, unit)?;
-        return checked(py, Table::new(name, unit, &rows)).map(Signal::Table);
+        return Ok(Signal::Table(Table::new(name, unit, &rows)?));
     }
     let kind = kind_of(value);
     if !SIGNALS.contains(&kind.as_str()) {
@@ -165,7 +207,7 @@ pub(crate) fn signal(value: &Bound<'_, PyAny>, name: &str, unit: &str) -> PyResu
         let (given, name) = (read.get("rows")?, read.name("rows"));
         match given.cast::<PyTuple>() {
             Ok(given) => rows(given, &name, axis, unit),
-            Err(_) => Err(refuse(py, &name, &given, "must be rows (time, value)")),
+            Err(_) => Err(refuse(&name, &given, "must be rows (time, value)")),
         }
     };
     let made = match kind.as_str() {
@@ -175,14 +217,15 @@ pub(crate) fn signal(value: &Bound<'_, PyAny>, name: &str, unit: &str) -> PyResu
             from: read.number("before", unit)?,
             to: read.number("after", unit)?,
         },
-        "Table" => checked(py, Table::new("Table.rows", unit, &rows()?)).map(Signal::Table)?,
-        "Spline" => checked(py, Spline::new("Spline.rows", unit, &rows()?)).map(Signal::Spline)?,
+        "Table" => Signal::Table(Table::new("Table.rows", unit, &rows()?)?),
+        "Spline" => Signal::Spline(Spline::new("Spline.rows", unit, &rows()?)?),
         _ => Signal::Sines {
             offset: read.number("offset", unit)?,
             terms: terms(&read.get("terms")?)?,
         },
     };
-    checked(py, made.validate(&kind)).map(|()| made)
+    made.validate(&kind)?;
+    Ok(made)
 }
 
 /// Read sines (amplitude, angular frequency, phase).
@@ -190,7 +233,7 @@ fn terms(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
     value.extract().map_err(|_| {
         let expected =
             "must be rows of three numbers (amplitude, angular frequency [rad/s], phase [rad])";
-        refuse(value.py(), "Sines.terms", value, expected)
+        refuse("Sines.terms", value, expected)
     })
 }
 
@@ -210,7 +253,7 @@ pub(crate) fn table(
         Ok(given) => rows(given, name, axis, unit)?,
         Err(_) => vec![(0.0, finite(&given, name, unit)?)],
     };
-    checked(value.py(), Table::against(name, axis, unit, &rows))
+    Ok(Table::against(name, axis, unit, &rows)?)
 }
 
 fn rows(
@@ -225,7 +268,7 @@ fn rows(
                 "each row must be ({}, value): expected rows of two numbers",
                 axis.0
             );
-            return Err(refuse(row.py(), name, &row, &expected));
+            return Err(refuse(name, &row, &expected));
         };
         Ok((
             number(&argument, &format!("{name} ({})", axis.0), axis.1)?,
@@ -262,14 +305,15 @@ pub(super) fn kind_of(object: &Bound<'_, PyAny>) -> String {
 /// Read a finite number.
 pub(crate) fn finite(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
     let found = number(value, field, unit)?;
-    checked(value.py(), check::finite(field, found, unit)).map(|()| found)
+    check::finite(field, found, unit)?;
+    Ok(found)
 }
 
 /// Read True or False.
 pub(crate) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
     value
         .extract()
-        .map_err(|_| refuse(value.py(), field, value, "must be True or False"))
+        .map_err(|_| refuse(field, value, "must be True or False"))
 }
 
 /// Read a nonnegative integer.
@@ -285,7 +329,7 @@ pub(crate) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
     } else {
         "must be a whole number, not negative".to_string()
     };
-    Err(refuse(value.py(), field, value, &expected))
+    Err(refuse(field, value, &expected))
 }
 
 /// Read the numbers of teeth of two sprockets.
@@ -297,7 +341,6 @@ pub(crate) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
         return Ok([first, second]);
     }
     Err(refuse(
-        value.py(),
         "teeth",
         value,
         "must be two whole numbers between 5 and 1000",
@@ -317,23 +360,15 @@ pub(crate) fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyRes
     } else {
         format!("must be a number in {unit}")
     };
-    Err(refuse(value.py(), field, value, &expected))
+    Err(refuse(field, value, &expected))
 }
 
-pub(crate) fn refuse(
-    py: Python<'_>,
-    field: &str,
-    value: &Bound<'_, PyAny>,
-    expected: &str,
-) -> PyErr {
+/// Return the error of a field with a value of a wrong type.
+pub(crate) fn refuse(field: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
     // The `repr` of a user's object may raise an exception.
     let shown = value.repr().map_or_else(
         |_| format!("<{}>", kind_of(value)),
         |text| text.to_string_lossy().into_owned(),
     );
-    to_python(py, &Error::invalid(field, shown, expected))
-}
-
-pub(crate) fn checked<T>(py: Python<'_>, result: Result<T>) -> PyResult<T> {
-    result.map_err(|error| to_python(py, &error))
+    Error::invalid(field, shown, expected).into()
 }

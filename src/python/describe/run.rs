@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 
-use super::reader::{Reader, checked, number, truth};
+use super::reader::{Reader, number, truth};
 use crate::chain::Groups;
 use crate::error::Error;
 use crate::integrator::{Corrector, StepControl};
@@ -16,11 +16,10 @@ pub(crate) fn reports(
     report_step: &Bound<'_, PyAny>,
     energy: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(f64, f64, bool)> {
-    let py = duration.py();
     let duration = number(duration, "duration", "s")?;
     let report_step = number(report_step, "report_step", "s")?;
     let energy = energy.map_or(Ok(true), |energy| truth(energy, "energy"))?;
-    checked(py, check_reports(duration, report_step))?;
+    check_reports(duration, report_step)?;
     Ok((duration, report_step, energy))
 }
 
@@ -76,8 +75,7 @@ pub(crate) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
     let atol = read.optional_number("atol", "the unit of each component")?;
     if rtol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 && atol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 {
         let expected = "rtol and atol must not both be zero; None for both lets accuracy rule";
-        let refusal = Error::invalid("Solver.atol", 0.0, expected);
-        checked(object.py(), Err(refusal))?;
+        return Err(Error::invalid("Solver.atol", 0.0, expected).into());
     }
     let given = rtol.is_some() || atol.is_some();
     let tolerance =
@@ -90,6 +88,6 @@ pub(crate) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
         corrector,
         accuracy: read.number("accuracy", "m")?,
     };
-    checked(object.py(), control.validate())?;
+    control.validate()?;
     Ok(control)
 }

@@ -1,9 +1,8 @@
 //! Readers of sprockets, their motion and their faults.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 
-use super::reader::{Reader, count, number, refuse, table};
+use super::reader::{Reader, table};
 use super::teeth::tooth_form;
 use crate::drive::{Bearing, Faults, Sprocket, SprocketMotion};
 use crate::geometry::Damage;
@@ -11,26 +10,12 @@ use crate::geometry::path::belt::Side;
 
 /// Read rows (number of a tooth, remaining fraction of its height).
 fn damage(read: &Reader<'_, '_>) -> PyResult<Vec<Damage>> {
-    const NAME: &str = "Sprocket.damaged_teeth";
-    let rows = read.get("damaged_teeth")?;
-    let wrong = |value: &Bound<'_, PyAny>| {
-        let expected =
-            "must be rows (number of the tooth from 0, share of its height that is left)";
-        refuse(value.py(), NAME, value, expected)
-    };
-    let Ok(rows) = rows.cast::<PyTuple>() else {
-        return Err(wrong(&rows));
-    };
-    let row = |row: Bound<'_, PyAny>| {
-        let Ok([tooth, height]) = row.extract::<[Bound<'_, PyAny>; 2]>() else {
-            return Err(wrong(&row));
-        };
-        Ok(Damage {
-            tooth: count(&tooth, NAME)?,
-            height: number(&height, NAME, "1")?,
-        })
-    };
-    rows.iter().map(row).collect()
+    let expected = "must be rows (number of the tooth from 0, share of its height that is left)";
+    let rows = read.counted_rows("damaged_teeth", expected, "1")?;
+    let rows = rows.into_iter();
+    Ok(rows
+        .map(|(tooth, height)| Damage { tooth, height })
+        .collect())
 }
 
 pub(super) fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<SprocketMotion> {
@@ -39,12 +24,10 @@ pub(super) fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sprocke
         "PrescribedSpeed" => SprocketMotion::PrescribedSpeed(read.signal("speed", "rad/s")?),
         "AppliedTorque" => {
             let torque = read.signal("torque", "N m")?;
-            let curve = read.get("curve")?;
-            if curve.is_none() {
-                SprocketMotion::AppliedTorque(torque)
-            } else {
-                let curve = table(&curve, "AppliedTorque.curve", ("speed", "rad/s"), "N m")?;
-                SprocketMotion::TorqueCurve { torque, curve }
+            let over_speed = |curve: &_, name: &_| table(curve, name, ("speed", "rad/s"), "N m");
+            match read.optional("curve", over_speed)? {
+                None => SprocketMotion::AppliedTorque(torque),
+                Some(curve) => SprocketMotion::TorqueCurve { torque, curve },
             }
         }
         _ => SprocketMotion::Free,
@@ -56,8 +39,8 @@ pub(crate) fn sprocket(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sproc
     Ok(Sprocket {
         teeth: read.count("teeth")?,
         center: read.vector("center", "m")?,
-        motion: motion(&read.get("motion")?, "Sprocket.motion")?,
-        profile: tooth_form(&read.get("profile")?, "Sprocket.profile")?,
+        motion: read.part("motion", motion)?,
+        profile: read.part("profile", tooth_form)?,
         faults: Faults {
             eccentricity: read.number("eccentricity", "m")?,
             eccentricity_angle: read.number("eccentricity_angle", "rad")?,

@@ -1,9 +1,9 @@
 //! Readers of the tooth forms of sprockets.
 
 use pyo3::prelude::*;
-use pyo3::types::{PyString, PyTuple};
+use pyo3::types::PyString;
 
-use super::reader::{Reader, number, refuse};
+use super::reader::{Reader, number};
 use crate::drive::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
 use crate::geometry::{OutlinePiece, Seat};
 
@@ -22,6 +22,7 @@ fn seat(read: &Reader<'_, '_>) -> PyResult<Seat> {
 pub(super) fn tooth_form(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ToothForm> {
     let read = Reader::new(object, field, &FORMS)?;
     let edge_radius = read.optional_number("edge_radius", "m")?;
+    let of_pieces = "must be a sequence of ToothLine and ToothArc";
     Ok(match read.kind.as_str() {
         "AnsiTooth" => ToothForm::Ansi(AnsiTooth {
             seat: seat(&read)?,
@@ -45,7 +46,7 @@ pub(super) fn tooth_form(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Too
             edge_radius,
         }),
         _ => ToothForm::Custom(CustomTooth {
-            pieces: outline(&read)?,
+            pieces: read.sequence("pieces", of_pieces, outline_piece)?,
             tip_diameter: read.optional_number("tip_diameter", "m")?,
             edge_radius,
         }),
@@ -61,28 +62,13 @@ fn iso_gap(read: &Reader<'_, '_>) -> PyResult<f64> {
     number(&gap, "IsoTooth.gap", "1")
 }
 
-fn outline(read: &Reader<'_, '_>) -> PyResult<Vec<OutlinePiece>> {
-    let pieces = read.get("pieces")?;
-    let Ok(pieces) = pieces.cast::<PyTuple>() else {
-        let expected = "must be a sequence of ToothLine and ToothArc";
-        return Err(refuse(pieces.py(), "CustomTooth.pieces", &pieces, expected));
-    };
-    let piece = |(i, piece): (usize, Bound<'_, PyAny>)| {
-        let field = format!("CustomTooth.pieces.{}", i + 1);
-        outline_piece(&piece, &field)
-    };
-    pieces.iter().enumerate().map(piece).collect()
-}
-
 pub(super) fn outline_piece(object: &Bound<'_, PyAny>, field: &str) -> PyResult<OutlinePiece> {
     let read = Reader::new(object, field, &["ToothLine", "ToothArc"])?;
     Ok(OutlinePiece {
         start: read.vector("start", "m")?,
         end: read.vector("end", "m")?,
-        center: if read.kind == "ToothArc" {
-            Some(read.vector("center", "m")?)
-        } else {
-            None
-        },
+        center: (read.kind == "ToothArc")
+            .then(|| read.vector("center", "m"))
+            .transpose()?,
     })
 }

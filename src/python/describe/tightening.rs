@@ -7,6 +7,12 @@ use super::reader::Reader;
 use crate::drive::{Arm, Mount, Rail, RailShape, Tensioner};
 use crate::geometry::Vec2;
 
+/// Read the two lengths of a travel, without stops by default.
+fn travel(read: &Reader<'_, '_>) -> PyResult<[f64; 2]> {
+    let given = read.optional_vector("travel", "m")?;
+    Ok(given.map_or([f64::INFINITY; 2], Into::into))
+}
+
 pub(super) fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tensioner> {
     let read = Reader::new(object, field, &["Tensioner"])?;
     Ok(Tensioner {
@@ -17,11 +23,7 @@ pub(super) fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tens
         damping_back: read.optional_number("damping_back", "N s/m")?,
         direction: read.optional_vector("direction", "1")?,
         stiffness: read.number("stiffness", "N/m")?,
-        travel: if read.get("travel")?.is_none() {
-            [f64::INFINITY; 2]
-        } else {
-            read.vector("travel", "m")?.into()
-        },
+        travel: travel(&read)?,
         pivot: read.optional_vector("pivot", "m")?,
         arm_inertia: read.number("arm_inertia", "kg m^2")?,
         ratchet: read.optional_number("ratchet", "m")?,
@@ -37,11 +39,7 @@ pub(super) fn arm(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Arm> {
         stiffness: read.number("stiffness", "N/m")?,
         damping: read.number("damping", "N s/m")?,
         damping_back: read.optional_number("damping_back", "N s/m")?,
-        travel: if read.get("travel")?.is_none() {
-            [f64::INFINITY; 2]
-        } else {
-            read.vector("travel", "m")?.into()
-        },
+        travel: travel(&read)?,
         inertia: read.number("inertia", "kg m^2")?,
         ratchet: read.optional_number("ratchet", "m")?,
     })
@@ -49,12 +47,7 @@ pub(super) fn arm(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Arm> {
 
 pub(crate) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
     let read = Reader::new(object, field, &["GuideRail", "SmoothIdler"])?;
-    let own = read.get("material")?;
-    let of = if own.is_none() {
-        None
-    } else {
-        Some(material(&own, &read.name("material"))?)
-    };
+    let of = read.optional("material", material)?;
     let center = read.vector("center", "m")?;
     if read.kind == "SmoothIdler" {
         return Ok(Rail {
@@ -70,7 +63,6 @@ pub(crate) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
             plate_height: read.optional_number("plate_height", "m")?,
         });
     }
-    let swung = read.get("arm")?;
     Ok(Rail {
         shape: RailShape::Bar {
             length: read.number("length", "m")?,
@@ -79,11 +71,7 @@ pub(crate) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
         },
         center,
         direction: read.vector("direction", "1")?,
-        mount: if swung.is_none() {
-            Mount::Fixed
-        } else {
-            Mount::Arm(arm(&swung, "GuideRail.arm")?)
-        },
+        mount: read.optional("arm", arm)?.map_or(Mount::Fixed, Mount::Arm),
         material: of,
         plate_height: read.optional_number("plate_height", "m")?,
     })
