@@ -1,6 +1,6 @@
 //! Closing of the chain: number of links from the centres, or a centre from the number of links.
 
-use super::many_sprockets::{Around, SHIFTS};
+use super::many_sprockets::{Around, shifts};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::Vec2;
@@ -75,16 +75,15 @@ fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -
     let there = at(belt_place);
     let around = Around::new(&there).ok()?;
     let slack = around.slack_strands()[0];
-    let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
     // A twentieth of a pitch of slack permits every split of the pitches.
     let course = around.course(0.0)?;
     let mut best: Option<(f64, f64)> = None;
-    for i in 0..SHIFTS {
-        let Some(off) = course.off_tangent(slack, shift(i)) else {
+    for shift in shifts() {
+        let Some(off) = course.off_tangent(slack, shift) else {
             continue;
         };
         if best.is_none_or(|(least, _)| off < least) {
-            best = Some((off, shift(i)));
+            best = Some((off, shift));
         }
     }
     let (_, shift) = best?;

@@ -1,7 +1,16 @@
 //! Fit of hinges to links of different lengths, with the smallest displacements.
 
+use std::f64::consts::PI;
+
+use super::report::LARGEST_STRETCH;
 use crate::drive::Chain;
 use crate::geometry::Vec2;
+use crate::geometry::path::polygon::bow_angle;
+
+/// Largest angle at the ends of a slack strand's bow \[rad\]: nearly vertical ends.
+const LARGEST_BOW: f64 = 0.45 * PI;
+/// Share of the hinge clearance below which a stretched chain counts as taut.
+pub(super) const TAUT_STRETCH: f64 = 0.02;
 
 /// Misfit of a link that counts as zero, over the largest coordinate of its hinges. A length is the difference of two
 /// coordinates, each rounded by half an epsilon: a smaller misfit is not reachable.
@@ -15,7 +24,7 @@ const SHARES: [f64; 3] = [1.0, 0.0, 0.5];
 ///
 /// Hinges move until every clearance is as open as it was. Where the teeth leave no room for that, they move half as far or not at
 /// all, and every link lies in the middle between its hinges: each clearance takes half of the difference.
-pub(super) fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>> {
+fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>> {
     let (pitches, mean) = (chain.link_pitches(), chain.mean_pitch());
     if pitches.iter().all(|&pitch| (pitch - mean).abs() <= 1e-15) {
         return vec![hinges];
@@ -29,6 +38,48 @@ pub(super) fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>
         fit(&mut moved, &lengths).then_some(moved)
     };
     SHARES.into_iter().filter_map(moved).collect()
+}
+
+/// Return hinges of [`for_own_lengths`] without a `fault`; the first fault is stored in `why`.
+pub(super) fn without_fault(
+    chain: &Chain,
+    hinges: Vec<Vec2>,
+    why: &mut Option<String>,
+    fault: impl Fn(&[Vec2]) -> Option<String>,
+) -> Option<Vec<Vec2>> {
+    for_own_lengths(chain, hinges).into_iter().find(|own| {
+        let fault = fault(own);
+        let fits = fault.is_none();
+        *why = why.take().or(fault);
+        fits
+    })
+}
+
+/// Return why a chain is too short for a belt line of `needed` pitches, if even open hinges do not make up for it.
+pub(super) fn shortage(chain: &Chain, needed: f64) -> Option<String> {
+    let (pitch, clearance) = (chain.mean_pitch(), chain.hinge.clearance());
+    let missing = needed - f64::from(chain.links);
+    let stretch = missing * pitch / f64::from(chain.links);
+    (stretch > 3.0 * LARGEST_STRETCH * clearance + 0.01 * pitch).then(|| {
+        format!(
+            "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
+            1e3 * missing * pitch,
+            1e6 * stretch,
+            1e6 * clearance
+        )
+    })
+}
+
+/// Return the fault of a slack strand that bows out too far, if any; it does not depend on the lengths of single links.
+pub(super) fn bow_fault(strand: &str, slack: f64, span: f64, sag: f64) -> Option<String> {
+    (bow_angle(sag, span) > LARGEST_BOW).then(|| {
+        format!(
+            "the {strand} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
+            1e3 * slack,
+            1e3 * span,
+            1e3 * sag
+        )
+    })
 }
 
 /// Return the remedy for a chain that cannot be laid round centres that take `fewest` links.

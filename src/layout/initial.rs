@@ -156,13 +156,12 @@ impl InitialConfiguration {
         strand_motion::keep_all_lengths(&layout.seat_of, &places, &mut velocities);
         let moving = velocities;
         let links = (0..n).map(|front| {
-            let velocities = &moving;
             let rear = (front + n - 1) % n;
-            let along = places[front] - places[rear];
-            let apart = velocities[front] - velocities[rear];
-            let mean = 0.5 * (velocities[front] + velocities[rear]);
-            let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
-            [mean.x, mean.y, spin]
+            let [_, rates] = link_between(
+                [rear, front].map(|k| places[k]),
+                [rear, front].map(|k| moving[k]),
+            );
+            rates
         });
         let mut velocities: Vec<[f64; 3]> =
             links.chain(self.velocities[n..].iter().copied()).collect();
@@ -193,33 +192,48 @@ impl InitialConfiguration {
         }
     }
 
-    /// Return bodies from hinges: centre and velocity of a link are the means of its two hinges, its angular velocity is (d x dv)/d².
+    /// Return the bodies from the hinges.
     fn of_bodies(drive: &Drive, hinges: &[Vec2], velocities: &[Vec2], layout: &Layout) -> Self {
         let mut start = Self::default();
         for front in 0..hinges.len() {
-            let rear = (front + hinges.len() - 1) % hinges.len();
-            let along = hinges[front] - hinges[rear];
-            let apart = velocities[front] - velocities[rear];
-            let center = 0.5 * (hinges[front] + hinges[rear]);
-            let velocity = 0.5 * (velocities[front] + velocities[rear]);
-            let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
-            start
-                .positions
-                .push([center.x, center.y, along.y.atan2(along.x)]);
-            start.velocities.push([velocity.x, velocity.y, spin]);
+            let ends = [(front + hinges.len() - 1) % hinges.len(), front];
+            start.add(link_between(
+                ends.map(|k| hinges[k]),
+                ends.map(|k| velocities[k]),
+            ));
         }
         if drive.chain.roller.is_some() {
             start.add_rollers(hinges, velocities);
         }
-        let turns = layout.phase.iter().zip(&layout.speeds);
-        for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {
-            start
-                .positions
-                .push([sprocket.center.x, sprocket.center.y, phase]);
-            start.velocities.push([0.0, 0.0, speed]);
-        }
+        start.add_sprockets(drive, layout);
         start
     }
+
+    /// Add a body with its position and its velocity.
+    pub(super) fn add(&mut self, [position, velocity]: [[f64; 3]; 2]) {
+        self.positions.push(position);
+        self.velocities.push(velocity);
+    }
+
+    /// Add the sprockets at their centres, with the angles and speeds of the layout.
+    pub(super) fn add_sprockets(&mut self, drive: &Drive, layout: &Layout) {
+        let turns = layout.phase.iter().zip(&layout.speeds);
+        for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {
+            let center = sprocket.center;
+            self.add([[center.x, center.y, phase], [0.0, 0.0, speed]]);
+        }
+    }
+}
+
+/// Return position and velocity of a link from those of its rear and front hinge: centre and velocity are the means, the angular
+/// velocity is (d x dv)/d².
+pub(super) fn link_between([rear, front]: [Vec2; 2], speeds: [Vec2; 2]) -> [[f64; 3]; 2] {
+    let (along, apart) = (front - rear, speeds[1] - speeds[0]);
+    let center = 0.5 * (front + rear);
+    let velocity = 0.5 * (speeds[1] + speeds[0]);
+    let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
+    let angle = along.y.atan2(along.x);
+    [[center.x, center.y, angle], [velocity.x, velocity.y, spin]]
 }
 
 impl Place<'_> {
@@ -234,32 +248,8 @@ impl Place<'_> {
 
     /// Seated hinges rotate with their sprocket; along a strand the velocity is linear from end to end.
     fn hinge_velocities(&self, path: &Path, speeds: [f64; 2]) -> Vec<Vec2> {
-        let n = path.hinges.len();
-        let seated = |k: usize| {
-            path.seat_of[k].map(|i| {
-                let center = Vec2::new(if i == 0 { 0.0 } else { self.center_distance }, 0.0);
-                speeds[i] * turned_left(path.hinges[k] - center)
-            })
-        };
-        let mut velocities = vec![Vec2::zeros(); n];
-        let mut last_seat = (0, Vec2::zeros());
-        let mut k = 0;
-        while k < n {
-            if let Some(velocity) = seated(k) {
-                velocities[k] = velocity;
-                last_seat = (k, velocity);
-                k += 1;
-                continue;
-            }
-            let next = (k..n).find(|&j| path.seat_of[j].is_some()).unwrap_or(n);
-            let ahead = seated(next % n).unwrap_or_default();
-            let (from, behind) = last_seat;
-            for (j, velocity) in velocities.iter_mut().enumerate().take(next).skip(k) {
-                let share = (j - from) as f64 / (next - from) as f64;
-                *velocity = behind + share * (ahead - behind);
-            }
-            k = next;
-        }
-        velocities
+        let center = |i: usize| Vec2::new(if i == 0 { 0.0 } else { self.center_distance }, 0.0);
+        let turned = |k: usize, i: usize| speeds[i] * turned_left(path.hinges[k] - center(i));
+        strand_motion::linear_between_seats(&path.seat_of, turned)
     }
 }

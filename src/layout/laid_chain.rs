@@ -1,5 +1,6 @@
 //! Measurements on a laid chain: seats of its bushings, stretch of its hinges, smallest gap to a tooth.
 
+use super::report::{LARGEST_STRETCH, START_GAPS};
 use crate::drive::Chain;
 use crate::geometry::path::wrap;
 use crate::geometry::path::wrap::Wheel;
@@ -76,6 +77,26 @@ impl Lie<'_> {
             .take(joined)
             .map(|((_, front), (rear, _))| (front - rear).norm())
             .fold(0.0, f64::max)
+    }
+
+    /// Return the fault of a chain whose hinges open too far or whose bushings are inside a tooth, if any. `opened`: the hinges that
+    /// open; `where_and_remedy`: text before and after that of a bushing.
+    pub(super) fn fault(&self, opened: &str, where_and_remedy: [&str; 2]) -> Option<String> {
+        let (stretch, clearance) = (self.stretch(), self.chain.hinge.clearance());
+        if stretch >= LARGEST_STRETCH * clearance {
+            return Some(format!(
+                "it would open {opened} by {:.1} um, and their clearance is {:.1} um",
+                1e6 * stretch,
+                1e6 * clearance
+            ));
+        }
+        let (gap, [before, behind]) = (self.smallest_gap(), where_and_remedy);
+        (gap < 0.9 * START_GAPS[0]).then(|| {
+            format!(
+                "{before}a bushing would start {:.3} um off a tooth (negative: inside){behind}",
+                1e6 * gap
+            )
+        })
     }
 
     /// Return the smallest distance of a bushing from a tooth \[m\]; infinite where none is near.

@@ -1,22 +1,21 @@
 //! Layout of a chain round any number of sprockets inside and outside of it, and the reasons of failure.
 
-use std::f64::consts::PI;
-
 use super::closing::even_links;
-use super::fit::{for_own_lengths, remedy};
+use super::fit::{TAUT_STRETCH, bow_fault, remedy, shortage, without_fault};
 use super::laid_chain::{Lie, phase, wheel};
 use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, strand_name, tension_force};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
-use crate::geometry::path::polygon::{PlacedWheel, Polygon, WheelSequence, bow_angle};
-use crate::geometry::{ToothProfile, turned_left};
+use crate::geometry::path::polygon::{PlacedWheel, Polygon, WheelSequence};
+use crate::geometry::{ToothProfile, Vec2, turned_left};
 
-/// Share of the hinge clearance below which a stretched chain counts as taut.
-const TAUT_STRETCH: f64 = 0.02;
-/// Largest angle at the ends of a slack strand's bow \[rad\]: nearly vertical ends.
-const LARGEST_BOW: f64 = 0.45 * PI;
 /// Number of positions of the first seat within a pitch that are tried.
-pub(super) const SHIFTS: u32 = 48;
+const SHIFTS: u32 = 48;
+
+/// Return the positions of the first seat within a pitch that are tried.
+pub(super) fn shifts() -> impl Iterator<Item = f64> {
+    (0..SHIFTS).map(|i| f64::from(i) / f64::from(SHIFTS) - 0.5)
+}
 
 /// A drive and its belt line.
 pub(super) struct Around<'a> {
@@ -94,14 +93,8 @@ impl<'a> Around<'a> {
         let (clearance, pitch) = (chain.hinge.clearance(), chain.mean_pitch());
         let needed = self.line.pitches(self.drive);
         let missing = needed - f64::from(chain.links);
-        let stretch = missing * pitch / f64::from(chain.links);
-        if stretch > 3.0 * LARGEST_STRETCH * clearance + 0.01 * pitch {
-            return self.refuse(&format!(
-                "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
-                1e3 * missing * pitch,
-                1e6 * stretch,
-                1e6 * clearance
-            ));
+        if let Some(shortage) = shortage(chain, needed) {
+            return self.refuse(&shortage);
         }
         let mut why = None;
         for gap in START_GAPS {
@@ -157,28 +150,27 @@ impl<'a> Around<'a> {
         why: &mut Option<String>,
     ) -> Option<Polygon> {
         // A strand that is far too long is refused before its links are fitted, one by one.
-        if let Some(fault) = self.bow(&polygon, slack) {
+        let name = strand_name(&self.line.strands(), slack);
+        let (span, sag) = (polygon.spans[slack], polygon.sag[slack]);
+        if let Some(fault) = bow_fault(&name, polygon.slack[slack], span, sag) {
             why.get_or_insert(fault);
             return None;
         }
         let hinges = std::mem::take(&mut polygon.hinges);
-        for own in for_own_lengths(&self.drive.chain, hinges) {
-            polygon.hinges = own;
-            let Some(fault) = self.fault(&polygon, slack) else {
-                return Some(polygon);
-            };
-            why.get_or_insert(fault);
-        }
-        None
+        let place = format!("with the slack in the {name} strand, ");
+        let fault = |hinges: &[Vec2]| {
+            let lie = self.lie(hinges, &polygon.first_seat);
+            lie.fault("hinges", [&place, ""])
+        };
+        polygon.hinges = without_fault(&self.drive.chain, hinges, why, fault)?;
+        Some(polygon)
     }
 
     /// Return the polygons with the slack in one strand: smallest stretch first, then smallest distance of seats from the tangent points.
     fn by_merit(course: &WheelSequence, slack: usize, clearance: f64) -> Vec<Polygon> {
         let most = LARGEST_STRETCH * clearance / course.pitch;
-        let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
-        let mut polygons: Vec<Polygon> = (0..SHIFTS)
-            .filter_map(|i| course.polygon(slack, shift(i), most))
-            .collect();
+        let polygons = shifts().filter_map(|shift| course.polygon(slack, shift, most));
+        let mut polygons: Vec<Polygon> = polygons.collect();
         let taut = |p: &Polygon| p.stretch.max(TAUT_STRETCH * clearance / course.pitch);
         polygons.sort_by(|a, b| {
             taut(a)
@@ -205,10 +197,7 @@ impl<'a> Around<'a> {
         for _ in 0..3 {
             let spare = self.course(0.0).is_some_and(|mut course| {
                 course.links = links;
-                (0..SHIFTS).any(|i| {
-                    let shift = f64::from(i) / f64::from(SHIFTS) - 0.5;
-                    course.polygon(0, shift, 0.0).is_some()
-                })
+                shifts().any(|shift| course.polygon(0, shift, 0.0).is_some())
             });
             if spare {
                 break;
@@ -218,45 +207,9 @@ impl<'a> Around<'a> {
         links
     }
 
-    /// Return the fault of a slack strand that bows out too far, if any; it does not depend on the lengths of single links.
-    fn bow(&self, polygon: &Polygon, slack: usize) -> Option<String> {
-        let (span, sag) = (polygon.spans[slack], polygon.sag[slack]);
-        (bow_angle(sag, span) > LARGEST_BOW).then(|| {
-            format!(
-                "the {} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
-                strand_name(&self.line.strands(), slack),
-                1e3 * polygon.slack[slack],
-                1e3 * span,
-                1e3 * sag
-            )
-        })
-    }
-
-    /// Return any other fault of a polygon.
-    fn fault(&self, polygon: &Polygon, slack: usize) -> Option<String> {
-        let chain = &self.drive.chain;
-        let lie = self.lie(polygon);
-        let stretch = lie.stretch();
-        if stretch >= LARGEST_STRETCH * chain.hinge.clearance() {
-            return Some(format!(
-                "it would open hinges by {:.1} um, and their clearance is {:.1} um",
-                1e6 * stretch,
-                1e6 * chain.hinge.clearance()
-            ));
-        }
-        let gap = lie.smallest_gap();
-        (gap < 0.9 * START_GAPS[0]).then(|| {
-            format!(
-                "with the slack in the {} strand, a bushing would start {:.3} um off a tooth (negative: inside)",
-                strand_name(&self.line.strands(), slack),
-                1e6 * gap
-            )
-        })
-    }
-
-    fn lie<'b>(&'b self, polygon: &'b Polygon) -> Lie<'b> {
+    fn lie<'b>(&'b self, hinges: &'b [Vec2], first_seat: &[f64]) -> Lie<'b> {
         let sprockets = (0..self.profiles.len()).map(|i| {
-            let first_seat = polygon.first_seat[self.line.place_of(i)];
+            let first_seat = first_seat[self.line.place_of(i)];
             (
                 self.drive.sprockets[i].center,
                 first_seat,
@@ -265,7 +218,7 @@ impl<'a> Around<'a> {
         });
         Lie {
             chain: &self.drive.chain,
-            hinges: &polygon.hinges,
+            hinges,
             sprockets: sprockets.collect(),
         }
     }
@@ -274,7 +227,7 @@ impl<'a> Around<'a> {
         let (drive, polygon) = (self.drive, &found.polygon);
         let n = drive.sprockets.len();
         let place = |i: usize| self.line.place_of(i);
-        let lie = self.lie(polygon);
+        let lie = self.lie(&polygon.hinges, &polygon.first_seat);
         let chain_turn =
             |i: usize| drive.sprockets[i].side.sign() / f64::from(drive.sprockets[i].teeth);
         let hinge_radius = |i: usize| found.course.wheels[place(i)].wheel.hinge_radius;
@@ -300,14 +253,11 @@ impl<'a> Around<'a> {
             slack: polygon.slack.clone(),
             sag: polygon.sag.clone(),
             belt_pitches: self.line.pitches(drive),
-            center_distance: None,
-            closing_center_distance: None,
             hinge_stretch: lie.stretch(),
             start_gap: lie.smallest_gap(),
             tension_force: tension_force(drive)?,
-            guides: Vec::new(),
-            warnings: Vec::new(),
             order: self.line.order.clone(),
+            ..Layout::default()
         };
         layout.warn(drive);
         Ok(layout)

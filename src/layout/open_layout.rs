@@ -1,10 +1,10 @@
 //! Initial configuration of an open chain: the first layout without contact, its velocities, and the report.
 
-use super::initial::InitialConfiguration;
+use super::initial::{InitialConfiguration, link_between};
 use super::laid_chain::{Lie, phase};
 use super::open_chain::{OpenChainLayout, OpenChainShape};
-use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, tension_force};
-use super::strand_motion::keep_strand_lengths;
+use super::report::{Layout, START_GAPS, given_speed, tension_force};
+use super::strand_motion::keep_lengths_from;
 use crate::drive::bushing_on_front;
 use crate::drive::{ChainEnd, Drive};
 use crate::error::{Error, Result};
@@ -75,22 +75,7 @@ fn lie<'a>(drive: &'a Drive, profiles: &'a [ToothProfile], laid: &'a OpenChainSh
 
 /// Return the fault of a layout, if any.
 fn fault(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape) -> Option<String> {
-    let lie = lie(drive, profiles, laid);
-    let (stretch, clearance) = (lie.stretch(), drive.chain.hinge.clearance());
-    if stretch >= LARGEST_STRETCH * clearance {
-        return Some(format!(
-            "it would open hinges by {:.1} um, and their clearance is {:.1} um",
-            1e6 * stretch,
-            1e6 * clearance
-        ));
-    }
-    let gap = lie.smallest_gap();
-    (gap < 0.9 * START_GAPS[0]).then(|| {
-        format!(
-            "a bushing would start {:.3} um off a tooth (negative: inside); move the ends or the sprockets",
-            1e6 * gap
-        )
-    })
+    lie(drive, profiles, laid).fault("hinges", ["", "; move the ends or the sprockets"])
 }
 
 /// Return the speed of the chain towards the last end in pitches per second, from the first given speed.
@@ -169,7 +154,7 @@ fn fill(hinges: &[Vec2], velocities: &mut [Vec2], from: usize, to: usize) {
     for (k, velocity) in velocities[from..to].iter_mut().enumerate().skip(1) {
         *velocity = ends[0] + k as f64 / count * (ends[1] - ends[0]);
     }
-    keep_strand_lengths(&hinges[from..=to], &mut velocities[from..=to]);
+    keep_lengths_from(from, to - from, hinges, velocities);
 }
 
 fn start(
@@ -181,13 +166,7 @@ fn start(
 ) -> InitialConfiguration {
     let mut start = InitialConfiguration::default();
     for (places, speeds) in laid.hinges.windows(2).zip(velocities.windows(2)) {
-        let (along, apart) = (places[1] - places[0], speeds[1] - speeds[0]);
-        let center = 0.5 * (places[0] + places[1]);
-        let velocity = 0.5 * (speeds[0] + speeds[1]);
-        let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
-        let angle = along.y.atan2(along.x);
-        start.positions.push([center.x, center.y, angle]);
-        start.velocities.push([velocity.x, velocity.y, spin]);
+        start.add(link_between([places[0], places[1]], [speeds[0], speeds[1]]));
     }
     let last = laid.hinges.len() - 1;
     // The end of the last link comes first; a load hangs down under gravity.
@@ -211,12 +190,7 @@ fn start(
     if drive.chain.roller.is_some() {
         add_rollers(&mut start, ends, laid, velocities);
     }
-    let turns = layout.phase.iter().zip(&layout.speeds);
-    for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {
-        let center = sprocket.center;
-        start.positions.push([center.x, center.y, phase]);
-        start.velocities.push([0.0, 0.0, speed]);
-    }
+    start.add_sprockets(drive, layout);
     start
 }
 
@@ -291,13 +265,9 @@ fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forwa
         spans,
         slack,
         sag,
-        center_distance: None,
-        closing_center_distance: None,
         hinge_stretch: lie.stretch(),
         start_gap: lie.smallest_gap(),
-        tension_force: 0.0,
-        guides: Vec::new(),
-        warnings: Vec::new(),
+        ..Layout::default()
     };
     layout.warn(drive);
     layout

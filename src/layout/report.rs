@@ -17,7 +17,7 @@ pub(super) const LARGEST_STRETCH: f64 = 0.9;
 ///
 /// With two sprockets the strands are the upper one (left of the line from the first to the second centre) and the lower one.
 /// With more, strand `i` leads from `order[i]` to the next one, counterclockwise.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Layout {
     /// Sprockets (from 0) in the order along the chain path, counterclockwise.
     pub order: Vec<usize>,

@@ -16,43 +16,16 @@ const GIVE: f64 = 1e-4;
 pub(super) fn of(drive: &Drive, line: &BeltLine, found: &ClosedLayout) -> (Vec<f64>, Vec<Vec2>) {
     let polygon = &found.polygon;
     let n = line.order.len();
-    let starts = seat_starts(&polygon.seat_of, n);
     let speeds = wheel_speeds(drive, line);
     let center = |place: usize| found.course.wheels[place].center;
-    let mut velocities: Vec<Vec2> = polygon
-        .hinges
-        .iter()
-        .zip(&polygon.seat_of)
-        .map(|(hinge, seat)| {
-            seat.map_or(Vec2::zeros(), |place| {
-                speeds[place] * turned_left(hinge - center(place))
-            })
-        })
-        .collect();
-    for (place, start) in starts.iter().enumerate() {
-        let from = start + polygon.seated[place] as usize;
-        let count = polygon.strands[place] as usize;
-        let at = |k: usize| (from + k) % polygon.hinges.len();
-        let ends = [velocities[at(0)], velocities[at(count)]];
-        for k in 1..count {
-            let share = k as f64 / count as f64;
-            velocities[at(k)] = ends[0] + share * (ends[1] - ends[0]);
-        }
-        if place == found.slack && count > 1 {
-            let links: Vec<Vec2> = (0..count)
-                .map(|k| (polygon.hinges[at(k + 1)] - polygon.hinges[at(k)]).normalize())
-                .collect();
-            let lengthening = links
-                .iter()
-                .enumerate()
-                .map(|(k, along)| along.dot(&(velocities[at(k + 1)] - velocities[at(k)])));
-            for (k, change) in keep_lengths(&links, lengthening.collect())
-                .iter()
-                .enumerate()
-            {
-                velocities[at(k + 1)] += change;
-            }
-        }
+    let turned =
+        |k: usize, place: usize| speeds[place] * turned_left(polygon.hinges[k] - center(place));
+    let mut velocities = linear_between_seats(&polygon.seat_of, turned);
+    let first = (polygon.seat_of.iter()).position(|&seat| seat == Some(found.slack));
+    let from = first.unwrap_or(0) + polygon.seated[found.slack] as usize;
+    let count = polygon.strands[found.slack] as usize;
+    if count > 1 {
+        keep_lengths_from(from, count, &polygon.hinges, &mut velocities);
     }
     let mut listed = vec![0.0; n];
     for (place, &i) in line.order.iter().enumerate() {
@@ -61,49 +34,61 @@ pub(super) fn of(drive: &Drive, line: &BeltLine, found: &ClosedLayout) -> (Vec<f
     (listed, velocities)
 }
 
+/// Return the first hinge of each strand and its number of links: from the last seat on one wheel to the first on the next.
+fn strands(seat_of: &[Option<usize>]) -> impl Iterator<Item = (usize, usize)> {
+    let n = seat_of.len();
+    let seated = move |k: usize| seat_of[k % n].is_some();
+    let ends = (0..n).filter(move |&k| seated(k) && !seated(k + 1));
+    ends.map(move |from| (from, (1..=n).find(|&k| seated(from + k)).unwrap_or(n)))
+}
+
+/// Return the velocities of all hinges: those of seated hinges by `turned` (hinge, wheel), of others linear between the seats.
+pub(super) fn linear_between_seats(
+    seat_of: &[Option<usize>],
+    turned: impl Fn(usize, usize) -> Vec2,
+) -> Vec<Vec2> {
+    let n = seat_of.len();
+    let seated =
+        |(k, seat): (usize, &Option<usize>)| seat.map_or(Vec2::zeros(), |at| turned(k, at));
+    let mut velocities: Vec<Vec2> = seat_of.iter().enumerate().map(seated).collect();
+    for (from, count) in strands(seat_of) {
+        let ends = [velocities[from], velocities[(from + count) % n]];
+        for k in 1..count {
+            let share = k as f64 / count as f64;
+            velocities[(from + k) % n] = ends[0] + share * (ends[1] - ends[0]);
+        }
+    }
+    velocities
+}
+
 /// Change the velocities of all hinges that are not seated so that the links keep their lengths.
 pub(super) fn keep_all_lengths(
     seat_of: &[Option<usize>],
     hinges: &[Vec2],
     velocities: &mut [Vec2],
 ) {
-    let n = hinges.len();
-    for before in (0..n).filter(|&k| seat_of[k].is_some() && seat_of[(k + 1) % n].is_none()) {
-        let count = (1..=n)
-            .find(|&k| seat_of[(before + k) % n].is_some())
-            .unwrap_or(n);
-        let at = |k: usize| (before + k) % n;
-        let links: Vec<Vec2> = (0..count)
-            .map(|k| (hinges[at(k + 1)] - hinges[at(k)]).normalize())
-            .collect();
-        let lengthening = (0..count)
-            .map(|k| links[k].dot(&(velocities[at(k + 1)] - velocities[at(k)])))
-            .collect();
-        for (k, change) in keep_lengths(&links, lengthening).iter().enumerate() {
-            velocities[at(k + 1)] += change;
-        }
+    for (from, count) in strands(seat_of) {
+        keep_lengths_from(from, count, hinges, velocities);
     }
 }
 
-/// Change the velocities of a strand's hinges between its ends so that its links keep their lengths.
-pub(super) fn keep_strand_lengths(hinges: &[Vec2], velocities: &mut [Vec2]) {
-    let pairs = hinges.windows(2).zip(velocities.windows(2));
-    let (links, lengthening) = pairs
-        .map(|(places, speeds)| {
-            let along = (places[1] - places[0]).normalize();
-            (along, along.dot(&(speeds[1] - speeds[0])))
-        })
-        .unzip::<_, _, Vec<Vec2>, Vec<f64>>();
+/// Change the velocities of the hinges between both ends of `count` links from hinge `from` on so that these keep their lengths.
+pub(super) fn keep_lengths_from(
+    from: usize,
+    count: usize,
+    hinges: &[Vec2],
+    velocities: &mut [Vec2],
+) {
+    let at = |k: usize| (from + k) % hinges.len();
+    let links: Vec<Vec2> = (0..count)
+        .map(|k| (hinges[at(k + 1)] - hinges[at(k)]).normalize())
+        .collect();
+    let lengthening = (0..count)
+        .map(|k| links[k].dot(&(velocities[at(k + 1)] - velocities[at(k)])))
+        .collect();
     for (k, change) in keep_lengths(&links, lengthening).iter().enumerate() {
-        velocities[k + 1] += change;
+        velocities[at(k + 1)] += change;
     }
-}
-
-/// Return the first hinge on each wheel.
-fn seat_starts(seat_of: &[Option<usize>], wheels: usize) -> Vec<usize> {
-    (0..wheels)
-        .map(|place| seat_of.iter().position(|&s| s == Some(place)).unwrap_or(0))
-        .collect()
 }
 
 /// Return the angular velocities of the wheels in the chain's order \[rad/s\].

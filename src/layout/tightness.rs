@@ -1,7 +1,7 @@
 //! Tightness of a chain with ideal hinges: its missing length and the resulting tension.
 
 use super::laid_chain::seat_depth;
-use super::many_sprockets::{Around, SHIFTS};
+use super::many_sprockets::{Around, shifts};
 use crate::drive::Drive;
 use crate::error::Result;
 use crate::force_law::{Elastic, elastic_forces, tooth_surfaces};
@@ -28,9 +28,8 @@ pub(super) fn tightness(drive: &Drive) -> Result<Tightness> {
         return Ok(Tightness::default());
     };
     let slack = around.slack_strands()[0];
-    let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
-    let spare = (0..SHIFTS)
-        .filter_map(|i| course.spare(slack, shift(i)))
+    let spare = shifts()
+        .filter_map(|shift| course.spare(slack, shift))
         .fold(f64::INFINITY, f64::min);
     let wheels = || {
         let wraps = &around.line.belt.wraps;

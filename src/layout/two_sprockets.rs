@@ -3,20 +3,15 @@
 use std::f64::consts::PI;
 
 use super::closing::{closing_center_distance, links_for};
-use super::fit::{for_own_lengths, remedy};
+use super::fit::{TAUT_STRETCH, bow_fault, remedy, shortage, without_fault};
 use super::laid_chain::{Lie, phase, wheel};
-use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, tension_force};
+use super::report::{Layout, START_GAPS, given_speed, tension_force};
 use crate::drive::{Drive, Sprocket};
 use crate::error::{Error, Result};
 use crate::geometry::path::belt::Side;
 use crate::geometry::path::wrap;
 use crate::geometry::path::wrap::{Path, Split, Strand, Wheel};
 use crate::geometry::{ToothProfile, Vec2, turned_left};
-
-/// Share of the hinge clearance below which a stretched chain counts as taut.
-const TAUT_STRETCH: f64 = 0.02;
-/// Largest angle of a slack strand's bow at its ends \[rad\].
-const LARGEST_BOW: f64 = 0.45 * PI;
 
 /// A drive seen along its line of centres.
 pub(super) struct Place<'a> {
@@ -138,15 +133,8 @@ impl<'a> Place<'a> {
                 self.suggestion()
             )))
         };
-        let stretch = (needed - f64::from(chain.links)) * pitch / f64::from(chain.links);
-        let allowed = LARGEST_STRETCH * chain.hinge.clearance();
-        if stretch > 3.0 * allowed + 0.01 * pitch {
-            return refuse(format!(
-                "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
-                1e3 * (needed - f64::from(chain.links)) * pitch,
-                1e6 * stretch,
-                1e6 * chain.hinge.clearance()
-            ));
+        if let Some(shortage) = shortage(chain, needed) {
+            return refuse(shortage);
         }
         let mut why = None; // what is wrong with the most natural path
         for gap in START_GAPS {
@@ -184,14 +172,12 @@ impl<'a> Place<'a> {
             return None;
         }
         let hinges = std::mem::take(&mut path.hinges);
-        for own in for_own_lengths(&self.drive.chain, hinges) {
-            path.hinges = own;
-            let Some(fault) = self.fault(&path) else {
-                return Some(path);
-            };
-            why.get_or_insert(fault);
-        }
-        None
+        let fault = |hinges: &[Vec2]| {
+            let lie = self.lie(hinges, &path.first_seat);
+            lie.fault("every hinge of a strand", ["", ""])
+        };
+        path.hinges = without_fault(&self.drive.chain, hinges, why, fault)?;
+        Some(path)
     }
 
     /// Wheels whose seated bushings start `gap` \[m\] off their seats at least.
@@ -216,52 +202,25 @@ impl<'a> Place<'a> {
         taut.into_iter().chain(others).collect()
     }
 
-    /// Return the fault of a strand that bows out too far, if any; it does not depend on the lengths of single links.
+    /// Return the fault of a strand that bows out too far, if any.
     fn bow(path: &Path) -> Option<String> {
-        [(Strand::Upper, "upper"), (Strand::Lower, "lower")].into_iter().find_map(|(strand, name)| {
-            let i = strand as usize;
-            let (span, sag) = (path.spans[i], path.sag[i]);
-            let bow = 2.0 * (2.0 * sag / span).atan();
-            (bow > LARGEST_BOW).then(|| {
-                format!(
-                    "the {name} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
-                    1e3 * path.slack[i],
-                    1e3 * span,
-                    1e3 * sag
-                )
+        [(Strand::Upper, "upper"), (Strand::Lower, "lower")]
+            .into_iter()
+            .find_map(|(strand, name)| {
+                let i = strand as usize;
+                bow_fault(name, path.slack[i], path.spans[i], path.sag[i])
             })
-        })
-    }
-
-    /// Return any other fault of a path.
-    fn fault(&self, path: &Path) -> Option<String> {
-        let chain = &self.drive.chain;
-        let stretch = self.lie(path).stretch();
-        if stretch >= LARGEST_STRETCH * chain.hinge.clearance() {
-            return Some(format!(
-                "it would open every hinge of a strand by {:.1} um, and their clearance is {:.1} um",
-                1e6 * stretch,
-                1e6 * chain.hinge.clearance()
-            ));
-        }
-        let gap = self.lie(path).smallest_gap();
-        (gap < 0.9 * START_GAPS[0]).then(|| {
-            format!(
-                "a bushing would start {:.3} um off a tooth (negative: inside)",
-                1e6 * gap
-            )
-        })
     }
 
     /// The chain and both sprockets in the frame of the line of centres.
-    fn lie<'b>(&'b self, path: &'b Path) -> Lie<'b> {
+    fn lie<'b>(&'b self, hinges: &'b [Vec2], first_seat: &[f64; 2]) -> Lie<'b> {
         let at = |i: usize| {
             let x = if i == 0 { 0.0 } else { self.center_distance };
-            (Vec2::new(x, 0.0), path.first_seat[i], &self.profiles[i])
+            (Vec2::new(x, 0.0), first_seat[i], &self.profiles[i])
         };
         Lie {
             chain: &self.drive.chain,
-            hinges: &path.hinges,
+            hinges,
             sprockets: vec![at(0), at(1)],
         }
     }
@@ -271,7 +230,7 @@ impl<'a> Place<'a> {
         let pitch = chain.mean_pitch();
         let pitch_radius = [0, 1].map(|i| self.profiles[i].pitch_radius);
         let tilt = self.axis.y.atan2(self.axis.x);
-        let lie = self.lie(path);
+        let lie = self.lie(&path.hinges, &path.first_seat);
         let [n1, n2] = self.teeth().map(f64::from);
         let tangent = ((pitch_radius[0] - pitch_radius[1]) / self.center_distance).acos();
         let mut layout = Layout {
@@ -301,8 +260,7 @@ impl<'a> Place<'a> {
             hinge_stretch: lie.stretch(),
             start_gap: lie.smallest_gap(),
             tension_force: tension_force(self.drive)?,
-            guides: Vec::new(),
-            warnings: Vec::new(),
+            ..Layout::default()
         };
         layout.warn(self.drive);
         Ok(layout)
