@@ -189,6 +189,13 @@ pub(crate) mod check {
         ))
     }
 
+    /// Check both coordinates of a point \[m\].
+    pub(crate) fn point(field: &str, point: impl Into<[f64; 2]>) -> Result<()> {
+        let [x, y] = point.into();
+        finite(&format!("{field} (x)"), x, "m")?;
+        finite(&format!("{field} (y)"), y, "m")
+    }
+
     /// Check that a value lies within a closed range.
     pub(crate) fn within(field: &str, value: f64, low: f64, high: f64) -> Result<()> {
         if (low..=high).contains(&value) {

@@ -132,9 +132,7 @@ impl ChainEnd {
     pub fn validate(&self) -> Result<()> {
         let name = self.name();
         if let Some(position) = self.position() {
-            for (axis, value) in [("x", position.x), ("y", position.y)] {
-                check::finite(&format!("{name}.position ({axis})"), value, "m")?;
-            }
+            check::point(&format!("{name}.position"), position)?;
         }
         if self.links() == Some(0) {
             let expected = "must be one at least";

@@ -92,8 +92,7 @@ impl Rail {
             RailShape::Bar { .. } => "GuideRail",
             RailShape::Wheel { .. } => "SmoothIdler",
         };
-        check::finite(&format!("{kind}.center (x)"), self.center.x, "m")?;
-        check::finite(&format!("{kind}.center (y)"), self.center.y, "m")?;
+        check::point(&format!("{kind}.center"), self.center)?;
         let along = self.direction.norm();
         if !(along.is_finite() && along > 0.0) {
             return Err(Error::invalid(
@@ -274,8 +273,7 @@ impl Arm {
     /// # Errors
     /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        check::finite("GuideArm.pivot (x)", self.pivot.x, "m")?;
-        check::finite("GuideArm.pivot (y)", self.pivot.y, "m")?;
+        check::point("GuideArm.pivot", self.pivot)?;
         check::not_negative("GuideArm.force", self.force, "N")?;
         check::not_negative("GuideArm.ramp_time", self.ramp_time, "s")?;
         check::not_negative("GuideArm.stiffness", self.stiffness, "N/m")?;

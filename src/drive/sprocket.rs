@@ -105,9 +105,7 @@ impl Sprocket {
                 ),
             ));
         }
-        for (name, value) in [("x", self.center.x), ("y", self.center.y)] {
-            check::finite(&format!("Sprocket.center ({name})"), value, "m")?;
-        }
+        check::point("Sprocket.center", self.center)?;
         for (name, value, unit) in [
             ("mass", self.mass, "kg"),
             ("inertia", self.inertia, "kg m^2"),

@@ -105,8 +105,7 @@ impl Tensioner {
             }
         }
         if let Some(pivot) = self.pivot {
-            check::finite("Tensioner.pivot (x)", pivot.x, "m")?;
-            check::finite("Tensioner.pivot (y)", pivot.y, "m")?;
+            check::point("Tensioner.pivot", pivot)?;
         } else if self.arm_inertia > 0.0 {
             return Err(Error::invalid(
                 "Tensioner.arm_inertia",

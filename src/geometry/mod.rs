@@ -22,6 +22,15 @@ pub fn unit(angle: f64) -> Vec2 {
     Vec2::new(cos, sin)
 }
 
+/// Return the unit vector along `vector`, which has this length; zero for a length of zero.
+pub(crate) fn direction(vector: Vec2, length: f64) -> Vec2 {
+    if length > 0.0 {
+        vector / length
+    } else {
+        Vec2::zeros()
+    }
+}
+
 /// Return the vector rotated by +90 degrees.
 #[must_use]
 pub fn turned_left(v: Vec2) -> Vec2 {

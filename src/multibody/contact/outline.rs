@@ -9,7 +9,7 @@
 mod extrema;
 
 use self::extrema::Found;
-use crate::geometry::{Vec2, turned_left};
+use crate::geometry::{Vec2, direction, turned_left};
 use crate::multibody::description::outline_piece::Piece;
 use crate::multibody::description::profile::Curvature;
 
@@ -275,14 +275,6 @@ impl Part {
             bend,
             place: Place::Front,
         }
-    }
-}
-
-fn direction(vector: Vec2, length: f64) -> Vec2 {
-    if length > 0.0 {
-        vector / length
-    } else {
-        Vec2::zeros()
     }
 }
 

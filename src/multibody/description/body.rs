@@ -96,6 +96,19 @@ impl Marker {
             point: Vec2::new(x, y),
         }
     }
+
+    /// Check the coordinates of the point, which is `name` in messages.
+    pub(super) fn validate(&self, name: &str) -> Result<()> {
+        check::finite(name, self.point.x, "m")?;
+        check::finite(name, self.point.y, "m")
+    }
+
+    /// Return the error for two markers on this body; `owner` has them, and `why` follows the expectation.
+    pub(super) fn same_body(&self, owner: &str, why: &str) -> Error {
+        let field = format!("bodies of {owner}");
+        let value = format!("{:?} twice", self.body);
+        Error::invalid(field, value, format!("must be two different bodies{why}"))
+    }
 }
 
 /// A marker with its body by index.

@@ -32,17 +32,10 @@ impl ContactPair {
     /// An invalid value; the message has the contact, the field and the permitted values.
     pub fn validate(&self) -> Result<()> {
         let field = format!("contact {:?}", self.name);
-        for marker in [&self.a, &self.b] {
-            for value in [marker.point.x, marker.point.y] {
-                check::finite(&format!("point of {field}"), value, "m")?;
-            }
-        }
+        self.a.validate(&format!("point of {field}"))?;
+        self.b.validate(&format!("point of {field}"))?;
         if self.a.body == self.b.body {
-            return Err(Error::invalid(
-                format!("bodies of {field}"),
-                format!("{:?} twice", self.a.body),
-                "must be two different bodies: a body does not touch itself",
-            ));
+            return Err((self.a).same_body(&field, ": a body does not touch itself"));
         }
         check::positive(&format!("radius of {field}"), self.radius, "m")?;
         self.profile.validate(&field)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::body::{End, Frame, Marker};
 use super::spring_law::SpringLaw;
 use crate::error::{Error, Result, check};
-use crate::geometry::Vec2;
+use crate::geometry::{Vec2, direction};
 use crate::math::{Signal, Table};
 use crate::multibody::GROUND;
 use crate::multibody::forces::loads::Loads;
@@ -93,11 +93,8 @@ impl ForceElement {
     /// An invalid value; the message has the element, the field and the permitted values.
     pub fn validate(&self) -> Result<()> {
         let field = format!("force {:?}", self.name);
-        for marker in [&self.a, &self.b] {
-            for value in [marker.point.x, marker.point.y] {
-                check::finite(&format!("point of {field}"), value, "m")?;
-            }
-        }
+        self.a.validate(&format!("point of {field}"))?;
+        self.b.validate(&format!("point of {field}"))?;
         self.check_bodies(&field)?;
         match &self.kind {
             ForceKind::Force { x, y, .. } => {
@@ -113,11 +110,8 @@ impl ForceElement {
                 law.validate(&field)
             }
             ForceKind::TorsionSpring { law, rest } => {
-                check::finite(
-                    &format!("rest angle of {field}"),
-                    rest.unwrap_or(0.0),
-                    "rad",
-                )?;
+                let rest = rest.unwrap_or(0.0);
+                check::finite(&format!("rest angle of {field}"), rest, "rad")?;
                 law.validate(&field)
             }
         }
@@ -136,11 +130,7 @@ impl ForceElement {
             ForceKind::Force { .. } | ForceKind::Custom(_) => false,
         };
         if between {
-            return Err(Error::invalid(
-                format!("bodies of {field}"),
-                format!("{:?} twice", self.a.body),
-                "must be two different bodies: a body does not act on itself",
-            ));
+            return Err((self.a).same_body(field, ": a body does not act on itself"));
         }
         if self.b.body == GROUND {
             return Err(Error::invalid(
@@ -231,11 +221,7 @@ impl Force {
         let d = to - from;
         let length = d.norm();
         // The direction is undefined for coincident points: the force is then zero.
-        let n = if length > 0.0 {
-            d / length
-        } else {
-            Vec2::zeros()
-        };
+        let n = direction(d, length);
         let rate = n.dot(&(fb.velocity_at(to) - fa.velocity_at(from)));
         let x = length - self.rest;
         let tension = law.elastic(x) + law.damping * rate;

@@ -98,17 +98,10 @@ impl Joint {
     /// An invalid value; the message has the joint, the field and the permitted values.
     pub fn validate(&self) -> Result<()> {
         let field = |name: &str| format!("{name} of joint {:?}", self.name);
-        for (end, marker) in [("a", &self.a), ("b", &self.b)] {
-            for value in [marker.point.x, marker.point.y] {
-                check::finite(&field(&format!("point {end}")), value, "m")?;
-            }
-        }
+        self.a.validate(&field("point a"))?;
+        self.b.validate(&field("point b"))?;
         if self.a.body == self.b.body {
-            return Err(Error::invalid(
-                field("bodies"),
-                format!("{:?} twice", self.a.body),
-                "must be two different bodies",
-            ));
+            return Err(self.a.same_body(&format!("joint {:?}", self.name), ""));
         }
         if let Some(friction) = &self.friction {
             if self.kind != JointKind::Revolute {

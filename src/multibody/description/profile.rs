@@ -2,7 +2,9 @@
 
 use crate::error::{Error, Result, check};
 use crate::force_law::radius_beside_flat;
-use crate::geometry::{SurfaceCurve, SurfacePiece, ToothProfile, Vec2, turned_left, unit};
+use crate::geometry::{
+    SurfaceCurve, SurfacePiece, ToothProfile, Vec2, direction, turned_left, unit,
+};
 
 use super::outline_piece::Piece;
 
@@ -41,6 +43,18 @@ pub(crate) struct Nearest {
     pub(crate) piece: usize,
     /// Tooth gap and region, if the point is near the teeth of a sprocket.
     pub(crate) tooth: Option<Tooth>,
+}
+
+impl Nearest {
+    /// Return a point of the only piece of a profile.
+    fn on_circle(distance: f64, outward: Vec2) -> Self {
+        Self {
+            distance,
+            outward,
+            piece: 0,
+            tooth: None,
+        }
+    }
 }
 
 /// Position on the teeth of a sprocket.
@@ -104,14 +118,13 @@ impl Profile {
     /// # Errors
     /// An invalid value; the message has `field`, the value and the permitted values.
     pub fn validate(&self, field: &str) -> Result<()> {
-        let outline = match self {
+        let (pieces, closed) = match self {
             Self::Bore { radius } | Self::Disc { radius } => {
                 return check::positive(&format!("radius of {field}"), *radius, "m");
             }
             Self::Teeth(_) => return Ok(()),
             Self::Outline { pieces, closed } => (pieces, closed),
         };
-        let (pieces, closed) = outline;
         if pieces.is_empty() {
             return Err(Error::invalid(field, "()", "needs at least one piece"));
         }
@@ -172,41 +185,17 @@ impl Profile {
     /// The distance is infinite for an outline: see [`crate::multibody::contact::outline::Outline`].
     pub(crate) fn nearest(&self, point: Vec2, radius: f64) -> Nearest {
         match self {
-            Self::Outline { .. } => Nearest {
-                distance: f64::INFINITY,
-                outward: Vec2::zeros(),
-                piece: 0,
-                tooth: None,
-            },
+            Self::Outline { .. } => Nearest::on_circle(f64::INFINITY, Vec2::zeros()),
             Self::Bore { radius } => {
                 let distance = point.norm();
-                Nearest {
-                    distance: radius - distance,
-                    outward: -direction(point, distance),
-                    piece: 0,
-                    tooth: None,
-                }
+                Nearest::on_circle(radius - distance, -direction(point, distance))
             }
             Self::Disc { radius } => {
                 let distance = point.norm();
-                Nearest {
-                    distance: distance - radius,
-                    outward: direction(point, distance),
-                    piece: 0,
-                    tooth: None,
-                }
+                Nearest::on_circle(distance - radius, direction(point, distance))
             }
             Self::Teeth(profile) => nearest_tooth(profile, point, radius),
         }
-    }
-}
-
-/// Return the unit vector of `vector`, which has the given length, or zero.
-fn direction(vector: Vec2, length: f64) -> Vec2 {
-    if length > 0.0 {
-        vector / length
-    } else {
-        Vec2::zeros()
     }
 }
 
@@ -217,12 +206,8 @@ fn tooth_curvatures(profile: &ToothProfile, radius: f64) -> Vec<Curvature> {
         SurfaceCurve::Convex(arc) => Curvature::Convex(arc.radius),
         SurfaceCurve::Straight(_) => Curvature::FlatBefore(radius_beside_flat(profile, i, radius)),
     };
-    profile
-        .surfaces()
-        .iter()
-        .enumerate()
-        .map(curvature)
-        .collect()
+    let surfaces = profile.surfaces().iter().enumerate();
+    surfaces.map(curvature).collect()
 }
 
 /// Return the point of the teeth nearest to a circle, or the outside circle if that is farther away than the radius.
@@ -230,12 +215,7 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
     let distance = point.norm();
     let clear = distance - profile.outside_radius;
     if clear > radius {
-        return Nearest {
-            distance: clear,
-            outward: direction(point, distance),
-            piece: 0,
-            tooth: None,
-        };
+        return Nearest::on_circle(clear, direction(point, distance));
     }
     let gap = profile.nearest_gap(point.y.atan2(point.x));
     // Frame of the gap: v points radially outward through the gap, u is v turned clockwise.

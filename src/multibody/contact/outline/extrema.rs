@@ -1,7 +1,7 @@
 //! Local minima and maxima of the distance in their order along an outline, and the contact points among them.
 
-use super::{ContactPoint, Part, Place, direction};
-use crate::geometry::Vec2;
+use super::{ContactPoint, Part, Place};
+use crate::geometry::{Vec2, direction};
 
 /// The extrema found so far along an outline.
 #[derive(Default)]
