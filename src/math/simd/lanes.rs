@@ -300,40 +300,25 @@ impl<S: Simd> Mask<S> {
     }
 }
 
-impl<S: Simd> Add for Lanes<S> {
-    type Output = Self;
+/// Implement an operator by the operation of all lanes.
+macro_rules! operator {
+    ($($operator:ident, $method:ident, $operation:ident;)*) => {$(
+        impl<S: Simd> $operator for Lanes<S> {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.with(self.simd.add_f64s(self.values, other.values))
-    }
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.with(self.simd.$operation(self.values, other.values))
+            }
+        }
+    )*};
 }
 
-impl<S: Simd> Sub for Lanes<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        self.with(self.simd.sub_f64s(self.values, other.values))
-    }
-}
-
-impl<S: Simd> Mul for Lanes<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        self.with(self.simd.mul_f64s(self.values, other.values))
-    }
-}
-
-impl<S: Simd> Div for Lanes<S> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.with(self.simd.div_f64s(self.values, other.values))
-    }
+operator! {
+    Add, add, add_f64s;
+    Sub, sub, sub_f64s;
+    Mul, mul, mul_f64s;
+    Div, div, div_f64s;
 }
 
 impl<S: Simd> Neg for Lanes<S> {
