@@ -80,7 +80,7 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         "Solver" => solver(object).map(drop)?,
         kind if LAWS.contains(&kind) => {
             film_of(object, "")?;
-            law_and_friction(object, "").map(drop)?
+            law_and_friction(object, "").map(drop)?;
         }
         "Coulomb" | "LuGre" => rubbing(object, "").map(drop)?,
         "LubricantFilm" => film(object, "").map(drop)?,
