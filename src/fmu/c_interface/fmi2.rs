@@ -3,12 +3,10 @@
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 use super::{
-    DISCARD, ERROR, Logger, Logger2, OK, Status, call, deserialize, free, free_state, get_state,
-    get_values, instantiate, open, put, refused, serialize, serialized_size, set_state, set_values,
-    text, without_variables,
+    DISCARD, ERROR, Logger, Logger2, OK, Status, call, called, forwarded, free, instantiate, open,
+    put, refused, text, without_variables,
 };
 use crate::error::Error;
-use crate::fmu::Instance;
 use crate::fmu::resource_uri::path_of;
 
 /// Kind of FMU for co-simulation, `fmi2CoSimulation`.
@@ -110,50 +108,11 @@ unsafe extern "C" fn fmi2SetupExperiment(
     unsafe { call(handle, |instance| instance.set_start_time(start_time)) }
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2EnterInitializationMode(handle: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, Instance::enter_initialization) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2ExitInitializationMode(handle: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, Instance::exit_initialization) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2Terminate(handle: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, Instance::terminate) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2Reset(handle: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, Instance::reset) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2GetReal(
-    handle: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *mut f64,
-) -> Status {
-    // SAFETY: the master passes a handle of this library, and arrays of `count` elements.
-    unsafe { get_values(handle, references, count, values) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SetReal(
-    handle: *mut c_void,
-    references: *const u32,
-    count: usize,
-    values: *const f64,
-) -> Status {
-    // SAFETY: the master passes a handle of this library, and arrays of `count` elements.
-    unsafe { set_values(handle, references, count, values) }
+called! {
+    fmi2EnterInitializationMode => enter_initialization;
+    fmi2ExitInitializationMode => exit_initialization;
+    fmi2Terminate => terminate;
+    fmi2Reset => reset;
 }
 
 without_variables! {
@@ -167,54 +126,15 @@ without_variables! {
     fmi2GetRealOutputDerivatives(*const c_int, *mut f64);
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2GetFMUstate(handle: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the master passes a handle and a state of this library.
-    unsafe { get_state(handle, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SetFMUstate(handle: *mut c_void, state: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle and a state of this library.
-    unsafe { set_state(handle, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2FreeFMUstate(_: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the master passes a state of this library.
-    unsafe { free_state(state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializedFMUstateSize(
-    handle: *mut c_void,
-    state: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the master passes a handle and a state of this library.
-    unsafe { serialized_size(handle, state, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2SerializeFMUstate(
-    handle: *mut c_void,
-    state: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    // SAFETY: the master passes a handle and a state of this library, and an array of `size` bytes.
-    unsafe { serialize(handle, state, bytes, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi2DeSerializeFMUstate(
-    handle: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    state: *mut *mut c_void,
-) -> Status {
-    // SAFETY: the master passes a handle and a state of this library, and an array of `size` bytes.
-    unsafe { deserialize(handle, bytes, size, state) }
+forwarded! {
+    fmi2GetReal(references: *const u32, count: usize, values: *mut f64) => get_values;
+    fmi2SetReal(references: *const u32, count: usize, values: *const f64) => set_values;
+    fmi2GetFMUstate(state: *mut *mut c_void) => get_state;
+    fmi2SetFMUstate(state: *mut c_void) => set_state;
+    fmi2FreeFMUstate(state: *mut *mut c_void) => free_state;
+    fmi2SerializedFMUstateSize(state: *mut c_void, size: *mut usize) => serialized_size;
+    fmi2SerializeFMUstate(state: *mut c_void, bytes: *mut u8, size: usize) => serialize;
+    fmi2DeSerializeFMUstate(bytes: *const u8, size: usize, state: *mut *mut c_void) => deserialize;
 }
 
 #[unsafe(no_mangle)]

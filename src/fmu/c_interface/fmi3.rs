@@ -4,12 +4,10 @@ use std::ffi::{c_char, c_int, c_void};
 use std::path::Path;
 
 use super::{
-    Logger, Logger3, OK, Status, call, deserialize, free, free_state, get_state, get_values,
-    instantiate, open, put, refused, serialize, serialized_size, set_state, set_values, text,
-    without_variables,
+    Logger, Logger3, OK, Status, call, called, forwarded, free, get_values, instantiate, open, put,
+    refused, set_values, text, without_variables,
 };
 use crate::error::{Error, Result};
-use crate::fmu::Instance;
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi3GetVersion() -> *const c_char {
@@ -116,22 +114,10 @@ unsafe extern "C" fn fmi3EnterInitializationMode(
     }
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3ExitInitializationMode(handle: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, Instance::exit_initialization) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3Terminate(handle: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, Instance::terminate) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3Reset(handle: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, Instance::reset) }
+called! {
+    fmi3ExitInitializationMode => exit_initialization;
+    fmi3Terminate => terminate;
+    fmi3Reset => reset;
 }
 
 /// Check that there is one value for each variable: all are scalars.
@@ -215,54 +201,13 @@ without_variables! {
     fmi3GetOutputDerivatives(*const i32, *mut f64, usize);
 }
 
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3GetFMUState(handle: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the master passes a handle and a state of this library.
-    unsafe { get_state(handle, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SetFMUState(handle: *mut c_void, state: *mut c_void) -> Status {
-    // SAFETY: the master passes a handle and a state of this library.
-    unsafe { set_state(handle, state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3FreeFMUState(_: *mut c_void, state: *mut *mut c_void) -> Status {
-    // SAFETY: the master passes a state of this library.
-    unsafe { free_state(state) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializedFMUStateSize(
-    handle: *mut c_void,
-    state: *mut c_void,
-    size: *mut usize,
-) -> Status {
-    // SAFETY: the master passes a handle and a state of this library.
-    unsafe { serialized_size(handle, state, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3SerializeFMUState(
-    handle: *mut c_void,
-    state: *mut c_void,
-    bytes: *mut u8,
-    size: usize,
-) -> Status {
-    // SAFETY: the master passes a handle and a state of this library, and an array of `size` bytes.
-    unsafe { serialize(handle, state, bytes, size) }
-}
-
-#[unsafe(no_mangle)]
-unsafe extern "C" fn fmi3DeserializeFMUState(
-    handle: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    state: *mut *mut c_void,
-) -> Status {
-    // SAFETY: the master passes a handle and a state of this library, and an array of `size` bytes.
-    unsafe { deserialize(handle, bytes, size, state) }
+forwarded! {
+    fmi3GetFMUState(state: *mut *mut c_void) => get_state;
+    fmi3SetFMUState(state: *mut c_void) => set_state;
+    fmi3FreeFMUState(state: *mut *mut c_void) => free_state;
+    fmi3SerializedFMUStateSize(state: *mut c_void, size: *mut usize) => serialized_size;
+    fmi3SerializeFMUState(state: *mut c_void, bytes: *mut u8, size: usize) => serialize;
+    fmi3DeserializeFMUState(bytes: *const u8, size: usize, state: *mut *mut c_void) => deserialize;
 }
 
 #[unsafe(no_mangle)]

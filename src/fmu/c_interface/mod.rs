@@ -171,7 +171,28 @@ macro_rules! without_variables {
         }
     )*};
 }
-use {refused, without_variables};
+/// Define functions that pass the handle and their arguments on to a function of this module.
+macro_rules! forwarded {
+    ($($name:ident($($argument:ident: $kind:ty),*) => $function:ident;)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $name(handle: *mut c_void $(, $argument: $kind)*) -> Status {
+            // SAFETY: the master passes a handle of this library, and states and arrays as the function has them.
+            unsafe { $crate::fmu::c_interface::$function(handle $(, $argument)*) }
+        }
+    )*};
+}
+
+/// Define functions that call a method of the instance without arguments.
+macro_rules! called {
+    ($($name:ident => $method:ident;)*) => {$(
+        #[unsafe(no_mangle)]
+        unsafe extern "C" fn $name(handle: *mut c_void) -> Status {
+            // SAFETY: the master passes a handle of this library.
+            unsafe { $crate::fmu::c_interface::call(handle, $crate::fmu::Instance::$method) }
+        }
+    )*};
+}
+use {called, forwarded, refused, without_variables};
 
 /// Return the array of `count` elements at `pointer`.
 ///
@@ -315,7 +336,7 @@ unsafe fn set_state(handle: *mut c_void, state: *mut c_void) -> Status {
 ///
 /// # Safety
 /// As of [`store`].
-unsafe fn free_state(state: *mut *mut c_void) -> Status {
+unsafe fn free_state(_: *mut c_void, state: *mut *mut c_void) -> Status {
     // SAFETY: by the condition of this function; the box was made by `store` and has no other owner.
     unsafe {
         if let Some(handle) = state.as_mut()
@@ -355,11 +376,8 @@ unsafe fn serialize(
         }
         if size < found.len() {
             let expected = format!("must be at least {} bytes", found.len());
-            return Err(Error::invalid(
-                "size of the serialized state",
-                size,
-                expected,
-            ));
+            let field = "size of the serialized state";
+            return Err(Error::invalid(field, size, expected));
         }
         // SAFETY: `bytes` is writable for `size` bytes, no fewer than `found` has.
         unsafe { bytes.copy_from_nonoverlapping(found.as_ptr(), found.len()) };
