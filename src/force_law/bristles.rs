@@ -372,4 +372,15 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn bristles_store_the_work_of_a_spring() {
+        for law in laws() {
+            let z = 0.4 * law.breakaway();
+            assert!(
+                (law.stored(z) / (0.08 * law.static_coefficient * law.breakaway()) - 1.0).abs()
+                    < 1e-14
+            );
+        }
+    }
 }

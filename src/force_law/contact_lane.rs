@@ -161,4 +161,13 @@ mod tests {
         }
         assert_eq!(ContactLane::undamped(100.0).power(), 0.0);
     }
+
+    #[test]
+    fn a_contact_without_memory_has_the_factor_of_its_present_rate_or_of_the_minimum() {
+        // 100 N (1 + λ), then 100 N (1 + λ δ'/floor), then separation at a rate of -2 floor.
+        for (rate, force) in [(0.04, 140.0), (2e-4, 108.0), (-2e-3, 20.0)] {
+            assert!((at(1e-6, rate, 0.0).force - force).abs() < 1e-11, "{rate}");
+        }
+        assert!((at(1e-6, 0.04, 20.0).force - 132.0).abs() < 1e-11);
+    }
 }

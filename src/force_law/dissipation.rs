@@ -212,4 +212,39 @@ mod tests {
             assert!(damping.lambda(0.01) < 160.0);
         }
     }
+
+    #[test]
+    fn every_law_has_its_printed_factor_at_a_restitution_of_three_tenths() {
+        let expected = [
+            1.5 * 0.7,
+            0.75 * 0.91,
+            4.2 / 3.16,
+            0.525,
+            11.2 / 3.0,
+            0.91 / 0.3,
+            3.5,
+            0.6825 * 1.4f64.exp(),
+        ];
+        for (damping, expected) in Damping::ALL.into_iter().zip(expected) {
+            let found = damping.lambda(0.3);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-14,
+                "{damping:?} {found}"
+            );
+        }
+        assert_eq!(Damping::None.lambda(0.3), 0.0);
+    }
+
+    #[test]
+    fn the_effective_restitution_solves_the_printed_equation() {
+        for lambda in [0.05, 0.2, 0.9, 3.0, 20.0f64] {
+            let e = effective_restitution(lambda);
+            let right = (lambda.ln_1p() - (-lambda * e).ln_1p()) / (1.0 + e);
+            // Near the pole at λ e' = 1 the logarithm amplifies the rounding of e'.
+            assert!(
+                (right / lambda - 1.0).abs() < 1e-12 / (1.0 - lambda * e),
+                "{lambda}"
+            );
+        }
+    }
 }

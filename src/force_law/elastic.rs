@@ -281,4 +281,19 @@ mod tests {
             assert!(range_note(law, &topping).is_none());
         }
     }
+
+    #[test]
+    fn forces_and_ends_have_the_values_of_the_printed_laws() {
+        let internal = surfaces()[0];
+        let found = elastic_forces(Elastic::Linear(2e8), &internal, &[-1e-6, 0.0, 1e-6]);
+        assert_eq!(found[..2], [0.0; 2]);
+        assert!((found[2] - 200.0).abs() < 1e-10 && found.len() == 3);
+        let hertz = ElasticPair::prepare(Elastic::Hertz, &internal).force(1e-6);
+        let expected = 4.0 / 3.0 * MODULUS * (internal.effective_radius * 1e-18).sqrt();
+        assert!((hertz / expected - 1.0).abs() < 1e-14);
+        // δ = f/A [ln(4 A ΔR/f) - 1] has its largest value 4 ΔR e^-2 at f = 4 A ΔR e^-2.
+        let end = ElasticPair::prepare(Elastic::Johnson, &internal).range_end();
+        let expected = 4.0 * internal.radius_difference * (-2f64).exp();
+        assert!((end / expected - 1.0).abs() < 1e-14);
+    }
 }

@@ -133,4 +133,19 @@ mod tests {
             EnhancedCylinder::Of2015.prepare(&topping)
         );
     }
+
+    #[test]
+    fn a_clearance_outside_the_fit_of_internal_contacts_is_noted() {
+        let note = |clearance: f64| {
+            let pair = SurfacePair::internal(5e-3, 5e-3 + clearance, 0.01, MODULUS);
+            EnhancedCylinder::range_note(&pair)
+        };
+        let (from, to) = (INTERNAL_RANGE.0 / METRE, INTERNAL_RANGE.1 / METRE);
+        assert_eq!(note(1.01 * from), None);
+        assert_eq!(note(0.99 * to), None);
+        assert!(note(0.9 * from).is_some_and(|note| note.contains("dR = ")));
+        assert!(note(1.1 * to).is_some_and(|note| note.contains("dR = ")));
+        let outside = SurfacePair::external(5e-3, 0.1 * to, 0.01, MODULUS);
+        assert_eq!(EnhancedCylinder::range_note(&outside), None);
+    }
 }

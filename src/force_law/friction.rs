@@ -251,4 +251,43 @@ mod tests {
             assert_same_bits(|set| map(set, &function, &slips));
         }
     }
+
+    #[test]
+    fn friction_and_its_slope_are_proportional_to_the_normal_force() {
+        for regularization in Regularization::ALL {
+            let law = friction(regularization);
+            let (share, slope) = law.share(-7e-4);
+            let found = RegularizedFriction::new((), &law).force(30.0, -7e-4);
+            // μ f = 0.5 · 30 N
+            assert!(
+                (found[0] - 15.0 * share).abs() < 1e-13,
+                "{regularization:?}"
+            );
+            assert!((found[1] - 15.0 * slope).abs() < 1e-9, "{regularization:?}");
+        }
+    }
+
+    #[test]
+    fn friction_without_meaning_is_refused_with_the_name_of_its_field() {
+        let refused = |regularization, change: fn(&mut Friction)| {
+            let mut law = friction(regularization);
+            assert!(law.check("Friction").is_ok());
+            change(&mut law);
+            law.check("Friction").unwrap_err().to_string()
+        };
+        for bad in [
+            refused(Regularization::Tanh, |law| law.coefficient = 0.0),
+            refused(Regularization::Tanh, |law| law.coefficient = f64::INFINITY),
+        ] {
+            assert!(bad.starts_with("Friction.coefficient"), "{bad}");
+        }
+        assert!(refused(Regularization::Tanh, |law| law.speed = 0.0).contains("Friction.speed"));
+        for bad in [
+            refused(Regularization::Tanh, |law| law.dead_speed = 1e-5),
+            refused(Regularization::Ambrosio, |law| law.dead_speed = -1e-5),
+            refused(Regularization::Ambrosio, |law| law.dead_speed = law.speed),
+        ] {
+            assert!(bad.starts_with("Friction.dead_speed"), "{bad}");
+        }
+    }
 }

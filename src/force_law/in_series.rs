@@ -160,4 +160,28 @@ mod tests {
             }
         }
     }
+
+    /// A force that jumps from zero to one newton at 0.3 m; its slope does not show the jump.
+    struct Jump;
+
+    impl ElasticLaw for Jump {
+        fn elastic<R: Real>(_: [R; 2], penetration: R) -> R {
+            let jump = penetration.greater(penetration.constant(0.3));
+            jump.select(penetration.constant(1.0), penetration.constant(0.0))
+        }
+
+        fn slope<R: Real>(_: [R; 2], penetration: R, _: R) -> R {
+            penetration.constant(0.0)
+        }
+
+        fn stored(_: &[f64; 2], _: f64, _: f64) -> f64 {
+            0.0
+        }
+    }
+
+    #[test]
+    fn bisection_finds_the_jump_at_which_newtons_method_has_a_cycle() {
+        let found = depth_in_series::<f64, Jump>([0.0; 2], 0.9, 1.0);
+        assert!((found - 0.3).abs() < 1e-13, "{found}");
+    }
 }

@@ -223,3 +223,55 @@ pub(crate) fn tooth_surfaces(
     let curves = surfaces.iter().map(|piece| &piece.curve);
     curves.enumerate().map(pair).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Seat;
+
+    #[test]
+    fn two_convex_cylinders_have_the_radius_of_the_sum_of_curvatures() {
+        let pair = SurfacePair::external(3e-3, 6e-3, 0.01, 1e11);
+        assert!((1.0 / pair.effective_radius - (1.0 / 3e-3 + 1.0 / 6e-3)).abs() < 1e-9);
+        assert!((pair.radius_difference - 9e-3).abs() < 1e-17);
+        let flat = SurfacePair::flat(3e-3, 6e-3, 0.01, 1e11);
+        assert!((flat.radius_difference - 9e-3).abs() < 1e-17);
+        assert_eq!(flat.effective_radius, 3e-3);
+    }
+
+    #[test]
+    fn each_surface_of_a_tooth_has_the_pair_of_its_curve() {
+        let (pitch, roller) = (12.7e-3, 7.9375e-3);
+        let profile = ToothProfile::ansi(pitch, roller, 17, Seat::PitchCircle);
+        let radius = 0.5 * roller;
+        let pairs = tooth_surfaces(&profile, radius, 7e-3, 1e11);
+        let topping = profile.ansi_curves().unwrap().topping.radius;
+        for (surface, pair) in profile.surfaces().iter().zip(&pairs) {
+            let expected = match surface.curve {
+                SurfaceCurve::Concave(arc) => SurfacePair::internal(radius, arc.radius, 7e-3, 1e11),
+                SurfaceCurve::Convex(arc) => SurfacePair::external(radius, arc.radius, 7e-3, 1e11),
+                SurfaceCurve::Straight(_) => SurfacePair::flat(radius, topping, 7e-3, 1e11),
+            };
+            assert_eq!(*pair, expected, "{}", surface.name);
+        }
+        assert_eq!(pairs.len(), 4);
+        // A convex curve below the cylinder's radius is an edge; the one of equal radius continues the flat.
+        assert_eq!(radius_beside_flat(&profile, 2, topping), topping);
+        assert_eq!(
+            radius_beside_flat(&profile, 2, 1.001 * topping),
+            profile.pitch_radius
+        );
+    }
+
+    #[test]
+    fn a_law_of_no_stiffness_or_too_little_restitution_is_refused() {
+        let linear = |stiffness| ForceLaw {
+            elastic: Elastic::Linear(stiffness),
+            damping: Damping::HuGuo,
+            ..ForceLaw::default()
+        };
+        assert!(linear(1e8).check("restitution", 0.5).is_ok());
+        assert!(linear(0.0).check("restitution", 0.5).is_err());
+        assert!(linear(1e8).check("restitution", 1e-3).is_err());
+    }
+}

@@ -93,6 +93,7 @@ mod tests {
                 let end = single.range_end();
                 for set in InstructionSet::available() {
                     let mut forces = VectorForces::new(law, &pair, &depths, set);
+                    assert_eq!(forces.evaluate().len(), depths.len());
                     for (&d, &force) in depths.iter().zip(forces.evaluate()) {
                         // The slope grows towards the end: the bound is half of a rounding error over the root of the remaining range.
                         let left = (1.0 - d / end).abs().max(f64::EPSILON);

@@ -110,3 +110,39 @@ impl StepControl {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_permitted_error_of_velocities_is_absolute() {
+        let control = StepControl::default();
+        assert_eq!(control.speed_error(), 1e-10 * SPEED_PER_LENGTH);
+        for (rtol, atol) in [(1e-6, 0.0), (0.0, 1e-7), (1e-6, 1e-7)] {
+            let by_component = StepControl {
+                rtol,
+                atol,
+                ..control
+            };
+            assert_eq!(by_component.speed_error(), atol);
+        }
+    }
+
+    #[test]
+    fn a_field_out_of_range_is_refused_with_its_name() {
+        let refused = |change: fn(&mut StepControl)| {
+            let mut control = StepControl::default();
+            assert!(control.validate().is_ok());
+            change(&mut control);
+            control.validate().unwrap_err().to_string()
+        };
+        assert!(refused(|control| control.rtol = -1.0).contains("Solver.rtol"));
+        assert!(refused(|control| control.atol = f64::NAN).contains("Solver.atol"));
+        assert!(refused(|control| control.accuracy = 0.0).contains("Solver.accuracy"));
+        assert!(refused(|control| control.max_step = f64::NAN).contains("Solver.max_step"));
+        assert!(refused(|control| control.max_step = 0.0).contains("Solver.max_step"));
+        assert!(refused(|control| control.max_order = 0).contains("Solver.max_order"));
+        assert!(refused(|control| control.max_order = 13).contains("Solver.max_order"));
+    }
+}

@@ -124,4 +124,83 @@ mod tests {
         convergence.measure(0.4, 2.0, false);
         assert!((convergence.contraction - 0.02).abs() < 1e-15);
     }
+
+    /// A measured contraction constant `c`.
+    fn measured(c: f64) -> NewtonConvergence {
+        let mut convergence = NewtonConvergence::new();
+        convergence.measure(c, 1.0, true);
+        convergence
+    }
+
+    fn skips(c: f64, accuracy: f64, size: f64, safety: f64) -> bool {
+        let control = StepControl {
+            accuracy,
+            ..StepControl::default()
+        };
+        measured(c).may_skip_second_correction(&control, size, safety)
+    }
+
+    #[test]
+    fn the_remaining_correction_is_the_sum_of_a_geometric_series() {
+        let rest = measured(1.0).measure(0.5, 2.0, false);
+        let series: f64 = (1..60).map(|i| 0.5 * 0.25f64.powi(i)).sum();
+        assert!((rest - series).abs() < 1e-15);
+        assert_eq!(measured(1.0).measure(2.0, 2.0, false), f64::INFINITY);
+        assert_eq!(measured(1.0).measure(3.0, 2.0, false), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_second_correction_is_skipped_below_the_largest_remaining_one() {
+        // The predicted remaining correction is c size²: 0.08 and 0.106 of the tolerance, with a limit of 0.1.
+        assert!(skips(0.02, 1e-10, 2.0, 1.0));
+        assert!(!skips(0.02, 1e-10, 2.3, 1.0));
+        // The limit is 6e-11 m, here 0.01 of the tolerance.
+        assert!(skips(0.02, 6e-9, 0.7, 1.0));
+        assert!(!skips(0.02, 6e-9, 0.8, 1.0));
+        // A rate of 0.8, 1 and 1.2: the iteration has to converge.
+        assert!(skips(20.0, 1e-10, 0.04, 1.0));
+        assert!(!skips(20.0, 1e-10, 0.05, 1.0));
+        assert!(!skips(20.0, 1e-10, 0.06, 1.0));
+    }
+
+    #[test]
+    fn a_step_with_a_contact_onset_skips_only_short_corrections() {
+        let safety = SAFETY_AT_CONTACT_CHANGE;
+        assert!(skips(0.02, 1e-10, 0.5, safety));
+        // Ten times c size² is 0.11 here.
+        assert!(!skips(0.02, 1e-10, 0.75, safety));
+        // 1.9e-10 m and 2.1e-10 m of a correction, 2.1e-10 m of an accuracy.
+        assert!(skips(1e-4, 1e-10, 1.9, safety));
+        assert!(!skips(1e-4, 1e-10, 2.1, safety));
+        assert!(!skips(1e-4, 2.1e-10, 0.5, safety));
+        assert!(skips(1e-4, 1e-10, 2.1, 1.0));
+    }
+
+    #[test]
+    fn tolerances_by_component_have_a_limit_of_their_own() {
+        let control = StepControl {
+            rtol: 1e-8,
+            ..StepControl::default()
+        };
+        let skips =
+            |size, safety| measured(0.02).may_skip_second_correction(&control, size, safety);
+        assert!(skips(0.7, 1.0) && !skips(0.8, 1.0));
+        assert!(!skips(0.1, SAFETY_AT_CONTACT_CHANGE));
+    }
+
+    #[test]
+    fn a_contraction_constant_is_trusted_less_each_step_and_forgotten_at_a_restart() {
+        let control = StepControl::default();
+        let mut convergence = measured(0.02);
+        // 0.08, 0.096 and 0.115 of the tolerance.
+        let skipped = [(); 3].map(|()| convergence.may_skip_second_correction(&control, 2.0, 1.0));
+        assert_eq!(skipped, [true, true, false]);
+        assert!(!convergence.unmeasured);
+        let mut unknown = measured(1e-9);
+        unknown.restart();
+        assert!(!unknown.may_skip_second_correction(&control, 1e-3, 1.0));
+        let mut changed = measured(1e-9);
+        assert!(!changed.may_skip_second_correction(&control, 1e-3, f64::INFINITY));
+        assert!(!changed.may_skip_second_correction(&control, 1e-3, 1.0));
+    }
 }

@@ -242,4 +242,96 @@ mod tests {
         let ([t, rate], _) = crossing(|t| [1e-12 + t, 1.0], 0.0, 1.0);
         assert_eq!([t, rate], [0.0, 1.0]);
     }
+
+    /// The cubic `a + b t + c t² + d t³` over the step from `start` of `length`.
+    fn interpolant([a, b, c, d]: [f64; 4], start: f64, length: f64) -> Cubic {
+        let at = |t: f64| {
+            [
+                a + t * (b + t * (c + t * d)),
+                b + t * (2.0 * c + t * 3.0 * d),
+            ]
+        };
+        Cubic::through(at(start), at(start + length), length)
+    }
+
+    #[test]
+    fn the_interpolant_of_a_cubic_is_that_cubic() {
+        let (start, length) = (0.3, 0.5);
+        let cubic = interpolant([0.7, -1.1, 0.4, 2.3], start, length);
+        for x in [0.0, 0.2, 0.6, 1.0] {
+            let t: f64 = start + x * length;
+            let value = 0.7 - 1.1 * t + 0.4 * t * t + 2.3 * t.powi(3);
+            let slope = length * (-1.1 + 0.8 * t + 6.9 * t * t);
+            assert!((cubic.value(x) - value).abs() < 1e-14, "{x}");
+            assert!((cubic.slope(x) - slope).abs() < 1e-13, "{x}");
+        }
+    }
+
+    #[test]
+    fn extrema_inside_the_step_are_found_for_both_signs_of_the_curvature() {
+        // p' = ±3 (x - 0.25)(x - 0.9): the minimum is the second extremum, then the first one.
+        let value = |x: f64| x.powi(3) - 1.725 * x * x + 0.675 * x;
+        let rising = |a: f64| interpolant([a, 0.675, -1.725, 1.0], 0.0, 1.0);
+        let falling = |a: f64| interpolant([a, -0.675, 1.725, -1.0], 0.0, 1.0);
+        assert!((rising(0.0).minimum_inside().unwrap() - 0.9).abs() < 1e-14);
+        assert!((falling(0.0).minimum_inside().unwrap() - 0.25).abs() < 1e-14);
+        assert!((rising(0.3).highest_inside().unwrap() - 0.3 - value(0.25)).abs() < 1e-14);
+        assert!((falling(0.3).highest_inside().unwrap() - 0.3 + value(0.9)).abs() < 1e-14);
+        // Only a minimum below zero is a separation.
+        assert!(falling(value(0.25) + 1e-6).lowest_inside().is_none());
+        assert!(falling(value(0.25) - 1e-6).lowest_inside().is_some());
+        // Extrema at -0.1 and 1.2 are outside.
+        assert!(
+            interpolant([0.0, -0.36, -1.65, 1.0], 0.0, 1.0)
+                .minimum_inside()
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn the_first_guess_is_a_root_of_the_interpolant() {
+        // (t - 0.1)(t - 0.2)(t - 0.8), negative between the last two roots.
+        let cubic = interpolant([-0.016, 0.26, -1.1, 1.0], 0.0, 1.0);
+        let low = cubic.lowest_inside().unwrap();
+        assert!((cubic.upward_root(low) - 0.8).abs() < 1e-3);
+        assert!(
+            (interpolant([-0.09, 0.0, 1.0, 0.0], 0.0, 1.0).upward_root(0.0) - 0.3).abs() < 1e-3
+        );
+    }
+
+    #[test]
+    fn a_crossing_in_a_late_short_step_is_found_in_few_evaluations() {
+        for part in [0.02, 0.4, 0.93] {
+            let root = 10.0 + 0.25 * part;
+            let depth = |t: f64| [(t - root).exp() - 1.0, (t - root).exp()];
+            let ([t, rate], asked) = crossing(depth, 10.0, 10.25);
+            assert!(
+                (t - root).abs() < 1e-14 && (rate - 1.0).abs() < 1e-10,
+                "{part}: {t}"
+            );
+            assert!(asked <= 4, "{part}: {asked}");
+        }
+        // Apart again inside the late step: the last crossing counts.
+        let depth = |t: f64| {
+            let x = 4.0 * (t - 10.0);
+            let [a, b, c] = [x - 0.1, x - 0.2, x - 0.8];
+            [a * b * c, 4.0 * (a * b + a * c + b * c)]
+        };
+        let ([t, rate], _) = crossing(depth, 10.0375, 10.25);
+        assert!(
+            (t - 10.2).abs() < 1e-12 && (rate - 1.68).abs() < 1e-7,
+            "{t} {rate}"
+        );
+    }
+
+    #[test]
+    fn bisection_finds_a_crossing_at_which_newtons_method_leaves_the_step() {
+        let depth = |t: f64| {
+            let x = 200.0 * (t - 0.77);
+            [x.atan(), 200.0 / (1.0 + x * x)]
+        };
+        let ([t, rate], asked) = crossing(depth, 0.0, 1.0);
+        assert!((t - 0.77).abs() < 1e-12, "{t}");
+        assert!((rate - 200.0).abs() < 1e-3 && asked < 30, "{rate} {asked}");
+    }
 }

@@ -153,3 +153,80 @@ pub(super) fn choose_step(h: f64, order: usize, error: f64) -> f64 {
         .powf(1.0 / exponent)
         .clamp(smallest, largest)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(two_below: f64, one_below: f64, at_order: f64) -> ErrorEstimate {
+        ErrorEstimate {
+            local: at_order,
+            two_below,
+            one_below,
+            at_order,
+        }
+    }
+
+    /// The next order after `order`, of at most 12, with the errors and that of one order above.
+    fn chosen(order: usize, errors: &ErrorEstimate, equal: bool, above: f64) -> (usize, f64) {
+        let choice = choose_order(order, 12, errors, equal, || above);
+        (choice.order, choice.error)
+    }
+
+    #[test]
+    fn error_constants_are_the_differences_of_the_adams_moulton_weights() {
+        // γ*_i = 1/2, 1/12, 1/24, 19/720 by the recurrence γ*_m = -Σ γ*_j/(m + 1 - j).
+        let mut exact = vec![1.0f64];
+        for m in 1..=13usize {
+            let sum: f64 = (0..m).map(|j| exact[j] / (m + 1 - j) as f64).sum();
+            exact.push(-sum);
+        }
+        for order in 1..=13 {
+            let error = gamma_star(order) / exact[order].abs() - 1.0;
+            // The table has three digits.
+            assert!(error.abs() < 5e-3, "{order}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_step_is_accepted_up_to_its_tolerance() {
+        assert!(estimate(0.0, 0.0, 1.0).accepts());
+        assert!(!estimate(0.0, 0.0, 1.001).accepts());
+        assert!(!estimate(0.0, 0.0, f64::NAN).accepts());
+    }
+
+    #[test]
+    fn the_order_falls_where_lower_orders_are_as_good() {
+        assert_eq!(chosen(4, &estimate(1.0, 0.9, 1.0), false, 0.0), (3, 0.9));
+        assert_eq!(chosen(4, &estimate(1.1, 0.9, 1.0), false, 0.0), (4, 1.0));
+        assert_eq!(chosen(2, &estimate(0.0, 0.5, 1.0), false, 0.0), (1, 0.5));
+        assert_eq!(chosen(2, &estimate(0.0, 0.6, 1.0), false, 0.0), (2, 1.0));
+        assert_eq!(chosen(1, &estimate(0.0, 0.0, 1.0), false, 0.0), (1, 1.0));
+        // One estimate below may be small by chance, unless that one order up is not smaller.
+        assert_eq!(chosen(4, &estimate(2.0, 0.5, 1.0), true, 0.8), (3, 0.5));
+    }
+
+    #[test]
+    fn the_order_rises_after_equal_steps_where_the_error_falls() {
+        let errors = estimate(4.0, 2.0, 1.0);
+        assert_eq!(chosen(4, &errors, true, 0.9), (5, 0.9));
+        assert_eq!(chosen(4, &errors, true, 1.0), (4, 1.0));
+        assert_eq!(chosen(4, &errors, false, 0.9), (4, 1.0));
+        assert_eq!(chosen(12, &errors, true, 0.9), (12, 1.0));
+        assert_eq!(chosen(1, &errors, true, 0.4), (2, 0.4));
+        assert_eq!(chosen(1, &errors, true, 0.5), (1, 1.0));
+        assert_eq!(chosen(1, &errors, true, 0.6), (1, 1.0));
+    }
+
+    #[test]
+    fn a_step_doubles_stays_or_falls_for_half_of_the_tolerance() {
+        // Doubled, an error of order 3 grows by 2^4.
+        assert_eq!(choose_step(0.1, 3, 0.5 / 16.0), 0.2);
+        assert_eq!(choose_step(0.1, 3, 0.51 / 16.0), 0.1);
+        assert_eq!(choose_step(0.1, 3, 0.5), 0.1);
+        let reduced = choose_step(0.1, 3, 0.8);
+        assert!((0.8 * (reduced / 0.1).powi(4) - 0.5).abs() < 1e-12);
+        assert!((choose_step(0.1, 3, 0.51) - 0.09).abs() < 1e-15);
+        assert!((choose_step(0.1, 3, 1e3) - 0.05).abs() < 1e-15);
+    }
+}

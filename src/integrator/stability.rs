@@ -207,4 +207,29 @@ mod tests {
         (0..200).for_each(|_| rate.record(1.0));
         assert_eq!(rate.value(), 1.0);
     }
+
+    #[test]
+    fn the_first_correction_gives_the_rate_of_a_spring_and_of_a_damper() {
+        let gamma = 0.1;
+        let rate = |residual: f64, corrected: f64| {
+            let mut rate = FastestRate::default();
+            rate.record_correction(residual, corrected, gamma);
+            rate.value()
+        };
+        // The residual is the correction times 1 + γ² ω² or 1 + γ d; both enter with their squares.
+        let (omega, damping) = (3.0, 50.0);
+        let spring = 1.0 + (gamma * omega).powi(2);
+        assert!((rate(4.0 * spring.powi(2), 4.0) - omega).abs() < 1e-12);
+        let damper = 1.0 + gamma * damping;
+        assert!((rate(4.0 * damper.powi(2), 4.0) - damping).abs() < 1e-11);
+        assert_eq!(rate(1.0, 4.0), 0.0);
+        assert_eq!(rate(1.0, 0.0), 0.0);
+    }
+
+    #[test]
+    fn explicit_limits_fall_from_order_two_on() {
+        let limits: Vec<f64> = (1..=MAX_ORDER).map(explicit_limit).collect();
+        assert_eq!(limits, EXPLICIT);
+        assert!(limits[1..].windows(2).all(|pair| pair[1] < pair[0]));
+    }
 }

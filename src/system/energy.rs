@@ -42,3 +42,18 @@ pub trait PowerSum:
     /// Return the dissipated part and the external work.
     fn totals(&self) -> [f64; 2];
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_total_is_the_sum_of_three_energies() {
+        let energy = Energy {
+            kinetic: 1.0,
+            gravity: -20.0,
+            elastic: 300.0,
+        };
+        assert_eq!(energy.total(), 281.0);
+    }
+}

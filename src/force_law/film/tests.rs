@@ -223,3 +223,69 @@ fn films_that_mean_nothing_are_refused() {
     assert!(bad(|film| film.handover = 1.0).contains("Film.handover"));
     assert!(bad(|film| film.tension = -1.0).contains("Film.tension"));
 }
+
+#[test]
+fn constants_of_a_hinge_are_those_of_the_printed_formulas() {
+    let film = Film {
+        tension: 3e4,
+        ..LUBRICANT
+    }
+    .between(2e-3, 5e-5, 0.01);
+    // μ L R³ = 0.1 Pa s · 0.01 m · 8e-9 m³ = 8e-12 Pa s m⁴
+    assert!((film.pressure / (6.0 * 8e-12 / 1.25e-13) - 1.0).abs() < 1e-14);
+    assert!((film.shear / (2.0 * PI * 8e-12 / 5e-5) - 1.0).abs() < 1e-14);
+    // g₀ = p c³/(6 μ R²)
+    assert!((film.speed / (3e4 * 1.25e-13 / (0.6 * 4e-6)) - 1.0).abs() < 1e-14);
+    let own_length = Film {
+        length: Some(0.02),
+        ..LUBRICANT
+    };
+    let long = own_length.between(2e-3, 5e-5, 0.01);
+    assert!((long.pressure / film.pressure - 2.0).abs() < 1e-14);
+    // Petroff's torque over sqrt(1 - ε²); in the middle of the transition half of it.
+    let shear = |ratio: f64| film.at(ratio * film.clearance, [1e-3, 2e-3]).shear / film.shear;
+    assert!((shear(0.6) - 1.25).abs() < 1e-12);
+    assert!((shear(0.95) - 0.5 / (1.0 - 0.95f64.powi(2)).sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn derivatives_of_a_single_film_are_those_of_differences() {
+    for film in hinges() {
+        let c = film.clearance;
+        for (ratio, [along, across]) in states() {
+            let (found, gradient) = film.slopes(ratio * c, [along, across]);
+            assert_eq!(found, film.at(ratio * c, [along, across]));
+            if ratio < 0.05 {
+                continue;
+            }
+            let size = found.force[0].hypot(found.force[1]);
+            let (by_length, by_speed) = (size / c / (1.0 - ratio), size / 2e-3);
+            let steps = [1e-6 * c * (1.0 - ratio), 1e-9, 1e-9];
+            for (k, step) in steps.into_iter().enumerate() {
+                let moved = |sign: f64| {
+                    let mut at = [ratio * c, along, across];
+                    at[k] += sign * step;
+                    film.at(at[0], [at[1], at[2]])
+                };
+                let (up, down) = (moved(1.0), moved(-1.0));
+                let scale = if k == 0 { by_length } else { by_speed };
+                for i in 0..2 {
+                    let slope = (up.force[i] - down.force[i]) / (2.0 * step);
+                    let error = gradient.force[i][k] - slope;
+                    assert!(
+                        error.abs() < 1e-4 * scale,
+                        "{ratio} {along} {i} {k}: {error}"
+                    );
+                }
+                if k == 0 {
+                    let slope = (up.shear - down.shear) / (2.0 * step);
+                    let scale = found.shear / c / (1.0 - ratio);
+                    assert!((gradient.shear - slope).abs() < 1e-4 * scale, "{ratio}");
+                }
+            }
+        }
+        let (dry, gradient) = film.slopes(c, [1e-3, 1e-3]);
+        assert_eq!(dry.force, [0.0; 2]);
+        assert_eq!((gradient.force, gradient.shear), ([[0.0; 3]; 2], 0.0));
+    }
+}

@@ -157,3 +157,41 @@ impl ToothProfile {
         Self::of(teeth, pitch, seat_center_radius, outside_radius, flank).with_ansi(curves)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_topping_curve_ends_at_the_outside_circle_or_in_the_middle_of_the_tooth() {
+        for (pitch, roller) in [
+            (12.7e-3, 7.9375e-3),
+            (9.525e-3, 5.08e-3),
+            (6.35e-3, 3.302e-3),
+        ] {
+            for teeth in 9..=120 {
+                let profile = ToothProfile::ansi(pitch, roller, teeth, Seat::PitchCircle);
+                let curves = profile.ansi_curves().unwrap();
+                let half = PI / f64::from(teeth);
+                let tip = profile.surfaces().last().unwrap().end;
+                let from_center = tip - profile.center();
+                let off_topping = (tip - curves.topping.center).norm() - curves.topping.radius;
+                assert!(off_topping.abs() < 1e-12, "{teeth}: {off_topping}");
+                // Position beside the middle of the tooth, at the angle `half` from that of the gap.
+                let beside = from_center.x * half.cos() - from_center.y * half.sin();
+                let outside = 0.5 * pitch * (0.6 + 1.0 / half.tan());
+                assert!(beside < 1e-12, "{teeth}: {beside}");
+                assert!(
+                    beside.abs() < 1e-12 || (from_center.norm() - outside).abs() < 1e-12,
+                    "{teeth}: {beside} {}",
+                    from_center.norm() - outside
+                );
+                assert!(
+                    tip.y > 0.0 && from_center.norm() < 1.001 * outside,
+                    "{teeth}"
+                );
+                assert!((profile.axis() - Vec2::new(half.sin(), half.cos())).norm() < 1e-15);
+            }
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! Tests of the energy quadrature with powers of known integrals.
+
+use super::*;
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+struct Both(f64, f64);
+
+impl std::ops::Add for Both {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0, self.1 + other.1)
+    }
+}
+
+impl std::ops::AddAssign for Both {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl PowerSum for Both {
+    fn scaled(self, factor: f64) -> Self {
+        Self(factor * self.0, factor * self.1)
+    }
+
+    fn totals(&self) -> [f64; 2] {
+        [self.0, self.1]
+    }
+}
+
+/// The quadrature of `steps` steps of two seconds that end at 2 s, in which the power dissipated is `power`.
+fn metered_in(steps: u32, fineness: usize, power: impl Fn(f64) -> f64) -> EnergyQuadrature<Both> {
+    let begin = 2.0 - 2.0 * f64::from(steps);
+    let mut quadrature = EnergyQuadrature::new();
+    quadrature.refine(fineness);
+    quadrature.begin(begin, Both(power(begin), 1.0));
+    for i in 0..steps {
+        let start = begin + 2.0 * f64::from(i);
+        let (end, order) = (start + 2.0, 1);
+        let step = Step { start, end, order };
+        let at = |_, t| Both(power(t), 1.0);
+        quadrature.add_step(&step, (at(1.0, end), true), at);
+    }
+    quadrature
+}
+
+fn metered(fineness: usize, power: impl Fn(f64) -> f64) -> EnergyQuadrature<Both> {
+    metered_in(2, fineness, power)
+}
+
+#[test]
+fn a_power_of_degree_three_is_summed_exactly() {
+    for fineness in [0, 1, 8] {
+        let quadrature = metered(fineness, |t| 9.0 + t * t + t.powi(3));
+        let exact = 36.0 + 16.0 / 3.0;
+        assert!((quadrature.energies(2.0).0 - exact).abs() < 1e-13);
+        assert!((quadrature.energies(2.0).1 - 4.0).abs() < 1e-14);
+    }
+}
+
+#[test]
+fn inside_a_step_the_sum_is_that_of_a_parabola() {
+    for fineness in [0, 1, 8] {
+        let quadrature = metered(fineness, |t| 1.0 + t * t);
+        for t in [0.0f64, 0.3, 1.0, 1.7, 2.0] {
+            let exact = 2.0 + t + (t.powi(3) + 8.0) / 3.0;
+            assert!((quadrature.energies(t).0 - exact).abs() < 1e-13, "{t}");
+        }
+    }
+}
+
+#[test]
+fn halved_panels_have_a_sixteenth_of_the_error() {
+    let errors = [1, 2, 4, 8].map(|panels| metered(panels, f64::exp).energies(2.0).0);
+    let errors = errors.map(|energy| energy - (2f64.exp() - (-2f64).exp()));
+    for pair in errors.windows(2) {
+        assert!((pair[0] / pair[1] - 16.0).abs() < 2.0, "{errors:?}");
+    }
+}
+
+#[test]
+fn a_power_that_is_nearly_a_parabola_takes_one_evaluation() {
+    let quadrature = metered(0, |t| 9.0 + t * t + 1e-2 * t.powi(3));
+    // Nothing is known before the first step: it takes two panels to see that one was enough.
+    assert_eq!(quadrature.evaluations(), 3 + 1);
+}
+
+#[test]
+fn a_power_that_begins_within_a_step_takes_more_panels() {
+    let power = |begin: f64| move |t: f64| f64::max(t - begin, 0.0).powf(1.5);
+    let mut largest = [0.0f64; 2];
+    for begin in [0.1, 0.5, 0.9, 1.3, 1.7] {
+        // A first step without power, then one in which it begins; errors over the largest power times the length.
+        let exact = f64::powf(2.0 - begin, 2.5) / 2.5;
+        let scale = 2.0 * power(begin)(2.0);
+        for (largest, fineness) in largest.iter_mut().zip([0, 1]) {
+            let quadrature = metered(fineness, power(begin));
+            *largest = largest.max((quadrature.energies(2.0).0 - exact).abs() / scale);
+            assert_eq!(quadrature.evaluations() > 3 + 1, fineness == 0, "{begin}");
+        }
+    }
+    // At a kink the error falls by less than a sixteenth when panels are halved: a few times the accepted one is left.
+    assert!(largest[0] < 4.0 * ACCEPTED_ERROR, "{largest:?}");
+    assert!(largest[1] > 50.0 * ACCEPTED_ERROR, "{largest:?}");
+}
+
+#[test]
+fn a_smooth_power_takes_an_evaluation_in_one_of_eight_steps() {
+    let power = |t: f64| 2.0 + (0.1 * t).sin();
+    let quadrature = metered_in(1000, 0, power);
+    let exact = 2.0 * 2000.0 - 10.0 * (0.2f64.cos() - 199.8f64.cos());
+    assert!((quadrature.energies(2.0).0 / exact - 1.0).abs() < 1e-5);
+    assert!(quadrature.evaluations() < 1000 / 8 + 10);
+}
+
+#[test]
+fn a_power_that_its_values_at_the_ends_of_steps_do_not_show_is_evaluated_in_each_step() {
+    let power = |t: f64| 1.0 + 9.0 * (0.5 * std::f64::consts::PI * t).sin().powi(2);
+    let quadrature = metered_in(1000, 0, power);
+    assert!((quadrature.energies(2.0).0 / (5.5 * 2000.0) - 1.0).abs() < 1e-3);
+    assert!(quadrature.evaluations() >= 1000);
+}
+
+#[test]
+fn inside_a_late_step_of_several_panels_the_sum_is_that_of_a_parabola() {
+    let power = |t: f64| 1.0 + t * t;
+    for fineness in [1, 4] {
+        let mut quadrature = EnergyQuadrature::new();
+        quadrature.refine(fineness);
+        quadrature.begin(1.0, Both(power(1.0), 1.0));
+        let (start, end, order) = (1.0, 3.0, 1);
+        let at = |_, t| Both(power(t), 1.0);
+        quadrature.add_step(&Step { start, end, order }, (at(1.0, end), true), at);
+        for t in [1.0f64, 1.3, 2.0, 2.9, 3.0] {
+            let exact = t - 1.0 + (t.powi(3) - 1.0) / 3.0;
+            assert!((quadrature.energies(t).0 - exact).abs() < 1e-13, "{t}");
+        }
+        let before = quadrature.energies(2.2);
+        quadrature.cut(2.2);
+        assert_eq!((quadrature.at_end, quadrature.end), (before, 2.2));
+    }
+}
+
+#[test]
+fn a_copy_is_equal_and_only_one_of_the_same_panels_can_replace_it() {
+    let quadrature = metered(4, f64::exp);
+    let mut copy = EnergyQuadrature::new();
+    copy.carry_on(&quadrature);
+    copy.count_evaluation();
+    assert_eq!(copy.evaluations(), quadrature.evaluations() + 1);
+    assert!(copy.is_like(&quadrature) && copy.fineness() == 4);
+    assert_eq!(copy.energies(1.3), quadrature.energies(1.3));
+    assert!(!metered(8, f64::exp).is_like(&quadrature));
+    let changed = |change: fn(&mut EnergyQuadrature<Both>)| {
+        let mut copy = quadrature.clone();
+        change(&mut copy);
+        copy.is_like(&quadrature)
+    };
+    assert!(!changed(|copy| copy.powers.truncate(8)));
+    assert!(!changed(|copy| copy.powers.truncate(7)));
+    assert!(!changed(|copy| copy.powers.resize(17, Both(0.0, 0.0))));
+    assert!(!changed(|copy| copy.start = 3.0));
+    assert!(changed(|copy| copy.start = copy.end));
+}
+
+#[test]
+fn the_error_of_half_a_step_is_that_of_a_cubic() {
+    // x³ differs from its parabola by x (x - 1/2)(x - 1), whose integral over half of the step is 1/64.
+    let power = |x: f64| Both(x.powi(3), 2.0 * x.powi(3));
+    for place in [-0.3, -1.0, -2.5] {
+        let error = error_of_half([0.0, 0.5, 1.0].map(power), (place, power(place)));
+        assert!((64.0 * error.0 - 1.0).abs() < 1e-13 && error.1 == 2.0 * error.0);
+    }
+    assert_eq!(decisive(&Both(-3e-3, 1.0)), 0.01);
+    assert_eq!(decisive(&Both(-3e-2, -1.0)), 0.03);
+}
+
+#[test]
+fn each_passed_test_permits_twice_as_many_interpolated_steps_up_to_seven() {
+    let mut interpolation = Interpolation::default();
+    assert!(!interpolation.take());
+    for expected in [1, 3, 7, 7] {
+        interpolation.test(Both(0.5, -1.0), 1.0);
+        assert_eq!((0..20).filter(|_| interpolation.take()).count(), expected);
+    }
+    interpolation.test(Both(0.0, 1.1), 1.0);
+    assert!(!interpolation.take());
+}
