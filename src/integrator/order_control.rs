@@ -181,8 +181,8 @@ mod tests {
             let sum: f64 = (0..m).map(|j| exact[j] / (m + 1 - j) as f64).sum();
             exact.push(-sum);
         }
-        for order in 1..=13 {
-            let error = gamma_star(order) / exact[order].abs() - 1.0;
+        for (order, exact) in exact.iter().enumerate().skip(1) {
+            let error = gamma_star(order) / exact.abs() - 1.0;
             // The table has three digits.
             assert!(error.abs() < 5e-3, "{order}: {error}");
         }

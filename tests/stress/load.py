@@ -91,14 +91,15 @@ def run(store: Path, cases: int, duration: float, share: float = 2.0, what: str 
         if used:  # not of a process that has ended
             memory.append((stored, float(used[0]) / 1024.0))
         if stored >= share * cases:
-            share = 2.0  # once
+            workers = (proc / "task" / str(running.pid) / "children").read_text().split()
             if what == INTERRUPT:
                 running.send_signal(signal.SIGINT)
             elif what == KILL:
                 running.kill()
-            else:
-                workers = (proc / "task" / str(running.pid) / "children").read_text().split()
+            elif workers:
                 os.kill(int(workers[0]), signal.SIGKILL)
+            if what != WORKER or workers:  # a process that has just started has none yet
+                share = 2.0  # once
         time.sleep(LOOK * cases)
     return Ended(running.communicate()[0].strip(), memory)
 

@@ -28,5 +28,6 @@ def test_each_input_is_read_or_refused(target, tmp_path, monkeypatch):
             except rc.RustchainError as error:
                 refused.append(str(error))
     assert refused
-    assert len(refused) < len(contents)  # some are read: both ways are tried
+    if target != "snapshot":  # a state is that of one version
+        assert len(refused) < len(contents)  # some are read: both ways are tried
     assert not [error for error in refused if "defect of rustchain" in error]
