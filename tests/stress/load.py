@@ -169,6 +169,8 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=0, help="of that; 0: threads")
     given = parser.parse_args()
     if given.store:
+        # A job in the background inherits that interrupts are ignored.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         sweep(given.store, given.cases, given.duration, given.processes)
         return 0
     with tempfile.TemporaryDirectory() as folder:
