@@ -68,6 +68,12 @@ impl ContactPath {
         20.0 * bends.fold(0.0, f64::max)
     }
 
+    /// Return the displacement below which the path is a point \[m\]: its control points are rounded.
+    fn rounding(&self) -> f64 {
+        let largest = self.0.iter().fold(0.0, |most: f64, p| most.max(p.amax()));
+        64.0 * f64::EPSILON * largest
+    }
+
     /// Return whether the penetration exceeds `level` along the path; it does not at both ends, where it is `start` and `end`.
     ///
     /// The second derivative of the distance d from any closed set is at most 1/d across the direction to the set. With velocity v
@@ -81,7 +87,7 @@ impl ContactPath {
     ) -> bool {
         let curvature = self.acceleration() + self.speed().powi(2) / depth.radius;
         let highest = start.max(end) + 0.125 * curvature;
-        if !highest.is_finite() || highest <= level {
+        if !highest.is_finite() || highest <= level || self.speed() <= self.rounding() {
             return false;
         }
         let (before, after) = self.split(0.5);
@@ -97,7 +103,7 @@ impl ContactPath {
     pub(crate) fn touches_again<F: Fn(Vec2) -> f64>(&self, end: f64, depth: &Depth<F>) -> bool {
         let (mut path, mut end) = (*self, end);
         // The bound of the velocity is also that of the displacement along the rest of the path, whose length is one.
-        while path.speed() > UNSEEN {
+        while path.speed() > UNSEEN.max(path.rounding()) {
             let (before, after) = path.split(0.5);
             let middle = (depth.at)(after.0[0]);
             if middle > 0.0 {
@@ -119,7 +125,7 @@ impl ContactPath {
     /// contact would end.
     fn parts<F: Fn(Vec2) -> f64>(&self, depth: &Depth<F>) -> bool {
         let mut path = *self;
-        while path.speed() > UNSEEN {
+        while path.speed() > UNSEEN.max(path.rounding()) {
             let (before, after) = path.split(0.5);
             if (depth.at)(after.0[0]) < -UNSEEN {
                 return true;
@@ -135,6 +141,25 @@ mod tests {
     use std::cell::Cell;
 
     use super::*;
+
+    #[test]
+    fn a_search_far_from_the_origin_ends_at_the_rounding_of_coordinates() {
+        let far = 1e7;
+        let depth = Depth {
+            radius: 1.0,
+            at: |p: Vec2| (p.x - far).abs() - 0.5,
+        };
+        let motion = |x: f64| {
+            [
+                Vec2::new(far + x, far + x),
+                Vec2::new(1.0, 1.0),
+                Vec2::zeros(),
+            ]
+        };
+        let path = ContactPath::through(motion(0.6), motion(0.4), 0.1);
+        assert!(!path.touches_again((depth.at)(path.0[5]), &depth));
+        assert!(path.rounding() < 1e-6);
+    }
 
     /// Return the path of a throw from `start` under a downward acceleration, for a time of one second.
     fn thrown(start: Vec2, velocity: Vec2, acceleration: f64) -> ContactPath {
