@@ -47,6 +47,16 @@ pub(crate) struct Run {
     pub(crate) slot: usize,
 }
 
+impl Run {
+    /// Return the number of bushing `i` of the run in a chain of `links` links.
+    ///
+    /// A run reaches past the last bushing once at most. The remainder of a division would take longer than all else in these loops.
+    pub(crate) fn bushing(&self, i: usize, links: usize) -> usize {
+        let k = self.first + i;
+        if k < links { k } else { k - links }
+    }
+}
+
 /// Candidates of one sprocket: runs of bushings, and arrays over their slots.
 #[derive(Debug, Clone)]
 pub(crate) struct SprocketCandidates {
@@ -90,9 +100,7 @@ impl SprocketCandidates {
     /// Return (slot, bushing) of all candidates, in a chain of `links` links.
     pub(crate) fn bushings(&self, links: usize) -> impl Iterator<Item = (usize, usize)> {
         self.runs.iter().flat_map(move |run| {
-            // Runs may reach past the last bushing, once. A division by `links` would take longer than all else here.
-            let past = move |k: usize| if k < links { k } else { k - links };
-            (0..run.length).map(move |i| (run.slot + i, past(run.first + i)))
+            (0..run.length).map(move |i| (run.slot + i, run.bushing(i, links)))
         })
     }
 

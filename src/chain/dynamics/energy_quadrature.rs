@@ -126,8 +126,8 @@ impl Dynamics {
         }
     }
 
-    /// Change the powers of the last evaluation, which wrote slopes, to those at (`t`, `y`): after the last correction of the velocities with
-    /// its γ. To second order in the rates, to first order in all else.
+    /// Change the powers of the last evaluation, which wrote slopes, to those at (`t`, `y`), and return them. `y` is the evaluated state after
+    /// the last correction of the velocities with γ.
     pub fn correct_powers(
         &mut self,
         (t, y): (f64, &[f64]),

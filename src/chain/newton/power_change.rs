@@ -1,8 +1,8 @@
-//! Change of the powers of the contacts, and of the loads on the sprockets, with the last correction, to first order.
+//! Change of the powers of the contacts, and of the loads on the sprockets, with the last correction.
 //!
 //! A step of Newton's method with one correction has its last evaluation at the prediction. A correction Δv changes the penetration rate of a
 //! contact by n·Δv, with the relative velocity of its two points, and its penetration by γ n·Δv. Slopes of force and power are those of
-//! the evaluation.
+//! the evaluation: forces are of first order, powers of second order in Δv. The turn of the normals is left out, as in the matrix.
 
 use pulp::{Simd, WithSimd};
 

@@ -151,8 +151,7 @@ impl Watch {
         let sprockets = self.runs.iter().zip(&self.teeth).enumerate();
         sprockets.flat_map(move |(s, (runs, ends))| {
             runs.iter().flat_map(move |run| {
-                let past = move |k: usize| if k < links { k } else { k - links };
-                (0..run.length).map(move |i| (s, past(run.first + i), ends.of(run.slot + i)))
+                (0..run.length).map(move |i| (s, run.bushing(i, links), ends.of(run.slot + i)))
             })
         })
     }
