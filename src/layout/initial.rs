@@ -23,6 +23,9 @@ const MOST_TURNS: u32 = 12;
 /// Change of the positions in the last iteration, over the pitch: rounding.
 const SETTLED: f64 = 1e-10;
 
+/// Message of a search that its caller gave up.
+pub(super) const GIVEN_UP: &str = "the search for an initial configuration was given up";
+
 /// Positions and velocities of all bodies at time zero.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct InitialConfiguration {
@@ -41,24 +44,33 @@ impl InitialConfiguration {
     /// # Errors
     /// When no initial configuration exists: the message has the numbers and the nearest possible configuration.
     pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
+        Self::generate_unless(drive, &|| false)
+    }
+
+    /// Lay the chain as [`Self::generate`] does. The search, which may take seconds, ends with an error soon after `give_up` returns true.
+    ///
+    /// # Errors
+    /// As [`Self::generate`], and when the search was given up.
+    pub fn generate_unless(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Self, Layout)> {
         drive.validate()?;
-        let (start, mut layout) = Self::lay_round(drive)?;
+        let (start, mut layout) = Self::lay_round(drive, give_up)?;
         let start = start.with_guides(drive, &mut layout)?;
         Ok((start, layout))
     }
 
-    fn lay_round(drive: &Drive) -> Result<(Self, Layout)> {
+    fn lay_round(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Self, Layout)> {
         if (drive.sprockets.iter()).all(|sprocket| sprocket.faults.eccentricity == 0.0) {
-            return Self::lay(drive);
+            return Self::lay(drive, give_up);
         }
         // The positions of eccentric teeth depend on the angles of the layout, which jump where another layout becomes
         // the better one. Rotated by a gap, the wheels jump at other positions.
         let gaps = drive.sprockets.iter().map(|s| s.teeth).min().unwrap_or(1);
         let mut why = None;
         for turned in (0..gaps.min(MOST_TURNS)).map(f64::from) {
-            match Self::lay_eccentric(drive, turned) {
+            match Self::lay_eccentric(drive, turned, give_up) {
                 Ok(Some(laid)) => return Ok(laid),
                 Ok(None) => {}
+                Err(error) if give_up() => return Err(error),
                 Err(error) => {
                     why.get_or_insert(error);
                 }
@@ -77,12 +89,16 @@ impl InitialConfiguration {
     }
 
     /// Lay the chain of `drive` round eccentric teeth, all wheels rotated by this number of gaps; `None` without convergence.
-    fn lay_eccentric(drive: &Drive, turned: f64) -> Result<Option<(Self, Layout)>> {
+    fn lay_eccentric(
+        drive: &Drive,
+        turned: f64,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Option<(Self, Layout)>> {
         let gap = |i: usize| TAU / f64::from(drive.sprockets[i].teeth);
         let mut centered = drive.clone();
         let mut before: Option<Vec<f64>> = None;
         for _ in 0..MOST_ROUNDS {
-            let (mut start, mut layout) = Self::lay(&centered)?;
+            let (mut start, mut layout) = Self::lay(&centered, give_up)?;
             for (i, phase) in layout.phase.iter_mut().enumerate() {
                 // The same gap in every iteration.
                 let near = before.as_ref().map_or(turned * gap(i), |phase| phase[i]);
@@ -107,7 +123,10 @@ impl InitialConfiguration {
         Ok(None)
     }
 
-    fn lay(drive: &Drive) -> Result<(Self, Layout)> {
+    fn lay(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Self, Layout)> {
+        if give_up() {
+            return Err(Error::Impossible(GIVEN_UP.to_string()));
+        }
         if let Some(ends) = &drive.ends {
             return open_layout::lay(drive, ends);
         }
@@ -118,7 +137,7 @@ impl InitialConfiguration {
             return Ok((place.start(&path, &layout), layout));
         }
         let around = Around::new(drive)?;
-        let found = around.find()?;
+        let found = around.find(give_up)?;
         let (speeds, velocities) = strand_motion::of(drive, &around.line, &found);
         let layout = around.layout(&found, speeds)?;
         let start = Self::of_bodies(drive, &found.polygon.hinges, &velocities, &layout);

@@ -2,6 +2,7 @@
 
 use super::closing::even_links;
 use super::fit::{TAUT_STRETCH, bow_fault, remedy, shortage, without_fault};
+use super::initial::GIVEN_UP;
 use super::laid_chain::{Lie, phase, wheel};
 use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, strand_name, tension_force};
 use crate::drive::{BeltLine, Drive};
@@ -88,7 +89,8 @@ impl<'a> Around<'a> {
     }
 
     /// Return the chain with the first strand and position of its seats without contact, and with the smallest stretch.
-    pub(super) fn find(&self) -> Result<ClosedLayout> {
+    /// The search ends with an error soon after `give_up` returns true.
+    pub(super) fn find(&self, give_up: &dyn Fn() -> bool) -> Result<ClosedLayout> {
         let chain = &self.drive.chain;
         let (clearance, pitch) = (chain.hinge.clearance(), chain.mean_pitch());
         let needed = self.line.pitches(self.drive);
@@ -104,6 +106,9 @@ impl<'a> Around<'a> {
             let mut stretched: Option<ClosedLayout> = None;
             for slack in self.slack_strands() {
                 for polygon in Self::by_merit(&course, slack, clearance) {
+                    if give_up() {
+                        return Err(Error::Impossible(GIVEN_UP.to_string()));
+                    }
                     let Some(polygon) = self.fitted(polygon, slack, &mut why) else {
                         continue;
                     };

@@ -46,12 +46,16 @@ impl Mechanism {
         start: Option<&InitialConfiguration>,
     ) -> Result<Self> {
         check_chain(drive)?;
-        let (generated, _) = InitialConfiguration::generate(drive)?;
-        if let Some(start) = start {
+        let generated;
+        let start = if let Some(start) = start {
+            drive.validate()?;
             check_places(drive, start)?;
-        }
+            start
+        } else {
+            (generated, _) = InitialConfiguration::generate(drive)?;
+            &generated
+        };
         check_parts(drive)?;
-        let start = start.unwrap_or(&generated);
         let mut mechanism = Self {
             gravity: drive.gravity,
             ..Self::default()

@@ -47,9 +47,10 @@ impl Core {
         velocities: Option<PyReadonlyArray2<'_, f64>>,
         surfaces: Vec<[usize; 3]>,
     ) -> PyResult<Self> {
+        let py = scene.py();
         let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), surfaces))?;
+        let start = scene.own_or_generated_start(py)?;
         let (simulation, start) = contained(|| {
-            let start = scene.own_or_generated_start()?;
             let model = Model::compile(&scene.drive, &scene.laws, &start)?;
             let simulation = Simulation::new(Arc::new(model), &start, scene.control)?;
             Ok((simulation, [start.positions, start.velocities]))

@@ -5,6 +5,7 @@ use pyo3::types::PyDict;
 
 use super::describe;
 use super::errors::InvalidInput;
+use super::starts::generated;
 use crate::geometry::Vec2;
 use crate::math::{Signal, Table};
 use crate::multibody::{
@@ -45,7 +46,8 @@ pub(super) fn drive_mechanism<'py>(
     let py = drive.py();
     let description = describe::drive(drive)?;
     let contacts = drive_contacts(force_law, min_impact_velocity)?;
-    let mechanism = contained(|| Mechanism::from_drive(&description, &contacts, None))?;
+    let (start, _) = generated(py, &description)?;
+    let mechanism = contained(|| Mechanism::from_drive(&description, &contacts, Some(&start)))?;
     let links = description.chain.links as usize;
     let mut calls = Vec::new();
     for part in &mechanism.bodies {

@@ -31,8 +31,8 @@ pub(super) fn fmu_scene<'py>(
     let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), Vec::new()))?;
     let inputs = inputs.into_iter().map(input_variable);
     let inputs = inputs.collect::<Result<Vec<_>>>()?;
+    let start = scene.own_or_generated_start(py)?;
     let (bytes, token, values) = contained(|| {
-        let start = scene.own_or_generated_start()?;
         let contents = Contents {
             drive: scene.drive,
             laws: scene.laws,

@@ -10,11 +10,10 @@ use super::errors::InvalidInput;
 use super::interrupt::interruptible;
 use super::mechanism::mechanism;
 use super::mechanism_callable::{Raised, take};
-use super::starts::drive_of;
+use super::starts::{drive_of, generated};
 use crate::drive::{BeltLine, Drive, HingeKind, MOST_LINKS, check_links};
 use crate::error::{Error, check};
 use crate::geometry::Vec2;
-use crate::layout::InitialConfiguration;
 use crate::run::equilibrium::Equilibrium;
 
 fn each<T, V>(items: &[T], value: impl Fn(&T) -> V) -> Vec<V> {
@@ -26,7 +25,7 @@ fn each<T, V>(items: &[T], value: impl Fn(&T) -> V) -> Vec<V> {
 pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let py = drive.py();
     let description = describe::drive(drive)?;
-    let (_, layout) = InitialConfiguration::generate(&description)?;
+    let (_, layout) = generated(py, &description)?;
     let found = PyDict::new(py);
     let teeth: Vec<u32> = description.sprockets.iter().map(|s| s.teeth).collect();
     let gap_angle = |i: usize| std::f64::consts::TAU / f64::from(teeth[i]);

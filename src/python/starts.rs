@@ -7,13 +7,14 @@ use pyo3::prelude::*;
 
 use super::arrays::rows;
 use super::describe;
+use super::interrupt::interruptible;
 use super::mechanism_callable::Raised;
 use crate::chain::contact::ToothJump;
 use crate::chain::model::ForceLaws;
 use crate::drive::{Drive, InputQuantity};
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::integrator::StepControl;
-use crate::layout::InitialConfiguration;
+use crate::layout::{InitialConfiguration, Layout};
 use crate::math::Signal;
 use crate::panics::contained;
 
@@ -63,18 +64,26 @@ impl DriveScene {
         Ok(Self {
             laws: describe::force_laws(scene)?,
             control: describe::solver(&scene.getattr("solver")?)?,
-            start: own_start(&drive, place)?,
+            start: own_start(scene.py(), &drive, place)?,
             drive,
         })
     }
 
     /// Return the start of the user, or the generated one.
-    pub(super) fn own_or_generated_start(&self) -> Result<InitialConfiguration> {
+    pub(super) fn own_or_generated_start(&self, py: Python<'_>) -> PyResult<InitialConfiguration> {
         match &self.start {
             Some(start) => Ok(start.clone()),
-            None => Ok(InitialConfiguration::generate(&self.drive)?.0),
+            None => Ok(generated(py, &self.drive)?.0),
         }
     }
+}
+
+/// Generate the initial configuration and the layout of a drive; Ctrl-C ends the search.
+pub(super) fn generated(py: Python<'_>, drive: &Drive) -> PyResult<(InitialConfiguration, Layout)> {
+    let found = interruptible(py, |give_up| {
+        contained(|| InitialConfiguration::generate_unless(drive, give_up))
+    })?;
+    Ok(found?)
 }
 
 /// Return the drive of a `Scene`; at a static start its tensioner has no ramp.
@@ -92,6 +101,7 @@ pub(super) fn drive_of(scene: &Bound<'_, PyAny>) -> PyResult<Drive> {
 ///
 /// Surfaces are those of [`InitialConfiguration::surfaces`], at given positions.
 fn own_start(
+    py: Python<'_>,
     drive: &Drive,
     (positions, velocities, surfaces): Place<'_, '_>,
 ) -> PyResult<Option<InitialConfiguration>> {
@@ -105,7 +115,7 @@ fn own_start(
             surfaces,
         })),
         (None, Some(velocities)) => {
-            let (generated, _) = contained(|| InitialConfiguration::generate(drive))?;
+            let (generated, _) = generated(py, drive)?;
             Ok(Some(InitialConfiguration {
                 velocities,
                 ..generated

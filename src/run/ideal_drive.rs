@@ -55,7 +55,7 @@ impl DerefMut for IdealDrive {
 
 impl IdealDrive {
     /// Return the run of `drive` from `start`, and the positions and velocities before assembly, which moves them by rounding. `None`:
-    /// the generated initial configuration. `give_up` is called repeatedly during assembly and ends it with an error.
+    /// the generated initial configuration. `give_up` is called repeatedly during generation and assembly, and ends them with an error.
     ///
     /// # Errors
     /// If the drive, a control or the start is invalid, or a part has no counterpart in a mechanism.
@@ -66,10 +66,16 @@ impl IdealDrive {
         control: StepControl,
         give_up: &dyn Fn() -> bool,
     ) -> Result<(Self, InitialConfiguration)> {
-        let mechanism = Mechanism::from_drive(drive, contacts, start)?;
+        let generated;
+        let start = if let Some(start) = start {
+            start
+        } else {
+            (generated, _) = InitialConfiguration::generate_unless(drive, give_up)?;
+            &generated
+        };
+        let mechanism = Mechanism::from_drive(drive, contacts, Some(start))?;
         let model = Arc::new(MechanismModel::compile(&mechanism)?);
-        let surfaces = start.map_or(&[][..], |start| &start.surfaces);
-        let run = MechanismSimulation::assemble_on(model, surfaces, control, give_up)?;
+        let run = MechanismSimulation::assemble_on(model, &start.surfaces, control, give_up)?;
         let view = DriveView::new(drive, run.model())?;
         let placed = &mechanism.bodies[..view.bodies()];
         let placed = InitialConfiguration {

@@ -62,11 +62,11 @@ pub(super) fn lay_taut(
             there.tensioner = None;
             there.sprockets[tensioner.sprocket - 1].center +=
                 guide_path::along(line.direction, line.curvature, s).0;
-            InitialConfiguration::generate(&there).ok()
+            InitialConfiguration::generate_unless(&there, give_up).ok()
         })
     };
     match drive.tensioner.as_ref().and_then(taut) {
         Some(laid) => Ok(laid),
-        None => InitialConfiguration::generate(drive),
+        None => InitialConfiguration::generate_unless(drive, give_up),
     }
 }
