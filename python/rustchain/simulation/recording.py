@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import starmap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -59,6 +60,7 @@ class Recording:
         self._start, self._before = start, before
         self._stream: Stream | None = None
         self._piece, self._written = Piece(1, 1), 0.0
+        self._taken: list[dict[str, Any]] = []
 
     def stream_to(self, out: str | Path, piece: Piece) -> None:
         """Have the rows written to a file during the run."""
@@ -121,7 +123,10 @@ class Recording:
         }
         message, stats = messages[status], self._stats()
         if self._stream is None:
-            arrays = self._core.take_recording()
+            if not self._taken:
+                # No line of Python runs between the core and the list, so that Ctrl-C loses no row.
+                self._taken.extend(starmap(self._core.take_recording, [()]))
+            arrays = self._taken[0]
             if (residual := arrays.get("energy_residual")) is not None and residual.size:
                 # The rows of a run that failed may end in what is no number.
                 stats["largest_residual"] = float(np.nanmax(np.abs(residual), initial=0.0))

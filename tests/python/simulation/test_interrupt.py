@@ -1,6 +1,7 @@
 """Ctrl-C: a run stops soon, keeps its rows, and can go on; other threads run meanwhile."""
 
 import json
+import random
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rustchain as rc
@@ -281,3 +283,153 @@ def test_reports_closer_than_steps_do_not_hold_a_slice_up():
     for _ in range(39):
         assert not core.advance(0.0)
     assert 39 <= len(core.take_recording()["time"]) <= 2 * 39  # the first also takes a step
+
+
+class EndsBehindItsRows(CoreAround):
+    """A core during whose last calls, behind that which gives the rows away, Ctrl-C is pressed."""
+
+    def __init__(self, core):
+        super().__init__(core)
+        self.pressed = False
+
+    def tooth_jumps(self):
+        if not self.pressed:
+            self.pressed = True
+            raise KeyboardInterrupt
+        return self.core.tooth_jumps()
+
+
+def test_ctrl_c_while_a_result_is_made_loses_no_row():
+    with cores_within(EndsBehindItsRows):
+        simulation = rc.Simulation(rc.paper_drive())
+    result = simulation.run(1e-3, 1e-4, record=("teeth",), progress=False)
+    assert result.status == "interrupted"
+    assert len(result.time) == len(result.array("tooth_force")) == 11
+
+
+END = 0.01  # [s]
+
+
+def state_of(simulation):
+    return simulation.positions.tobytes() + simulation.velocities.tobytes()
+
+
+class Stepped:
+    """A simulation that steps to a time."""
+
+    def __init__(self, folder):
+        self.simulation = rc.Simulation(rc.paper_drive())
+
+    def attempt(self):
+        self.simulation.step_to(END)
+
+    def found(self):
+        return state_of(self.simulation)
+
+
+class Run(Stepped):
+    """A run, which continues where an interrupt has ended it."""
+
+    def attempt(self):
+        begin = self.simulation.time
+        if begin < END:
+            keywords = {"record": ("teeth",), "progress": False}
+            result = self.simulation.run(END - begin, 1e-4, **keywords)
+            # All rows up to there: the last is less than a report step, or a step, old.
+            assert np.allclose(np.diff(result.time[:-1]), 1e-4, rtol=0.0, atol=1e-9)
+            assert len(result.array("tooth_force")) == len(result.time)
+            assert result.time[0] == begin
+            assert result.time[-1] > self.simulation.time - 2e-4
+            if result.status == "interrupted":
+                raise KeyboardInterrupt
+
+
+class Started:
+    """Searches for an initial configuration and for a static equilibrium."""
+
+    def __init__(self, folder):
+        self.simulation = None
+
+    def attempt(self):
+        self.simulation = rc.Simulation(rc.two_sprocket_drive(links=400), start="static")
+
+    def found(self):
+        return state_of(self.simulation)
+
+
+class Files:
+    """A result and a state, which are written over older ones and read."""
+
+    def __init__(self, folder):
+        self.result, self.state = folder / "run.nc", folder / "state.npz"
+        self.simulation = rc.Simulation(rc.paper_drive())
+        self.run = self.simulation.run(1e-3, progress=False)
+        self.simulation.save_state(self.state)
+        self.run.save(self.result)
+
+    def attempt(self):
+        self.run.save(self.result)
+        self.simulation.save_state(self.state)
+        self.found()
+
+    def found(self):
+        assert sorted(path.name for path in self.result.parent.iterdir()) == ["run.nc", "state.npz"]
+        rows = rc.load_result(self.result)
+        return rows.final_positions.tobytes() + state_of(rc.Simulation.load_state(self.state))
+
+
+class Swept:
+    """A sweep that keeps its cases in a folder."""
+
+    def __init__(self, folder):
+        self.folder, self.result = folder, None
+
+    def attempt(self):
+        cases = [{"duration": duration} for duration in (1e-3, 2e-3, 3e-3, 4e-3)]
+        keywords = {"store": self.folder, "report_step": 1e-3, "progress": False}
+        self.result = rc.sweep(rc.paper_drive(), cases, **keywords)
+        if self.result.status == "interrupted":
+            raise KeyboardInterrupt
+
+    def found(self):
+        return b"".join(run.final_positions.tobytes() for run in self.result.results)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGPROF"), reason="no timer of processor time here")
+@pytest.mark.parametrize("operation", [Stepped, Run, Started, Files, Swept])
+def test_interrupts_at_random_moments_lose_nothing_and_change_no_bit(operation, tmp_path):
+    """Interrupted again and again, each operation ends in the bits of an undisturbed one."""
+
+    def press(number, frame):
+        raise KeyboardInterrupt
+
+    (tmp_path / "calm").mkdir()
+    calm = operation(tmp_path / "calm")
+    begin = time.process_time()
+    calm.attempt()
+    takes = time.process_time() - begin  # [s]
+    draw = random.Random(1)
+    heard = 0
+    before = signal.signal(signal.SIGPROF, press)
+    try:
+        for number in range(4):
+            folder = tmp_path / str(number)
+            folder.mkdir()
+            disturbed = operation(folder)
+            done = False
+            while not done:
+                try:
+                    # The longest waits let it end.
+                    signal.setitimer(signal.ITIMER_PROF, draw.uniform(1e-4, 2.0 * takes))
+                    try:
+                        disturbed.attempt()
+                        done = True
+                    finally:
+                        signal.setitimer(signal.ITIMER_PROF, 0.0)
+                except KeyboardInterrupt:
+                    heard += 1
+            assert disturbed.found() == calm.found()
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+    assert heard > 0
