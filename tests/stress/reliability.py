@@ -270,6 +270,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=seeds_of, default=range(200), help="A:B of random scenes")
     parser.add_argument("--every", type=int, default=20, help="of the extreme scenes, each so many")
+    parser.add_argument("--limit", type=float, default=LIMIT, help="processor time of a scene [s]")
     parser.add_argument("--calls", type=int, default=1000, help="number of wild calls")
     parser.add_argument("--mechanisms", type=int, default=20, help="number beside Exudyn")
     parser.add_argument("--load", type=int, default=5000, help="cases of the disturbed sweep")
@@ -279,9 +280,9 @@ def main() -> int:
     given = parser.parse_args()
     if given.keep:
         given.keep.mkdir(parents=True, exist_ok=True)
-    random = kept_or_run(map(Seeded, given.seeds), LIMIT, given.keep, "random")
+    random = kept_or_run(map(Seeded, given.seeds), given.limit, given.keep, "random")
     few = extremes.jobs()[:: given.every]
-    extreme = kept_or_run(few, EXTREMES_LIMIT, given.keep, "extreme")
+    extreme = kept_or_run(few, min(given.limit, EXTREMES_LIMIT), given.keep, "extreme")
     rows = rows_of_scenes("random scenes", "`run.py`", random)
     rows += rows_of_scenes("extreme values", "`run.py --extremes`", extreme)
     chosen = studies.runs()
