@@ -117,9 +117,10 @@ impl Recording {
 }
 
 /// Remove the first `count` values and return them.
+///
+/// `values` keeps its memory: pieces of a long run that each grow from nothing fragment the heap.
 fn take_front<T>(values: &mut Vec<T>, count: usize) -> Vec<T> {
-    let rest = values.split_off(count);
-    std::mem::replace(values, rest)
+    values.drain(..count).collect()
 }
 
 /// Row under construction: its channels, in the order of their definition.

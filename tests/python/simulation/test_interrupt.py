@@ -166,8 +166,9 @@ import dataclasses
 import xarray  # a loss map imports it, which takes long the first time
 sys.path.insert(0, {str(STRESS)!r})
 from scenes import Seeded
-drive = rc.paper_drive()
-# A torque that nothing holds has no static equilibrium: it is refused after 100,000 iterations.
+drive = rc.two_sprocket_drive(links=2000)
+# A torque that nothing holds has no static equilibrium: it is refused after 100,000 iterations,
+# which take some 10 s.
 first = dataclasses.replace(drive.sprockets[0], motion=rc.AppliedTorque(1.0))
 restless = dataclasses.replace(drive, sprockets=(first, drive.sprockets[1]))
 threading.Timer(0.3, under_way.set).start()
@@ -307,7 +308,7 @@ def test_ctrl_c_while_a_result_is_made_loses_no_row():
     assert len(result.time) == len(result.array("tooth_force")) == 11
 
 
-END = 0.01  # [s]
+END = 0.05  # [s]
 
 
 def state_of(simulation):
@@ -412,7 +413,9 @@ def test_interrupts_at_random_moments_lose_nothing_and_change_no_bit(operation, 
     heard = 0
     before = signal.signal(signal.SIGPROF, press)
     try:
-        for number in range(4):
+        for number in range(40):
+            if heard >= 4:
+                break
             folder = tmp_path / str(number)
             folder.mkdir()
             disturbed = operation(folder)
@@ -432,4 +435,4 @@ def test_interrupts_at_random_moments_lose_nothing_and_change_no_bit(operation, 
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, before)
-    assert heard > 0
+    assert heard >= 4
