@@ -24,21 +24,13 @@ WRITER = "Result.save or Simulation.run(out=...)"
 
 def write(dataset: xr.Dataset, path: object) -> None:
     """Write a dataset to a file, lightly packed, with a checksum behind it."""
-    image = beside(_image, dataset)
-    checksum = _checksum(image.getbuffer())
-    image.seek(0, io.SEEK_END)
-    image.write(checksum)
-    write_whole(path, image.getbuffer())
+    write_whole(path, beside(_image, dataset).getbuffer())
 
 
 def read(path: object) -> xr.Dataset:
     """Return the dataset in a file that `Result.save` wrote."""
     _ = extras.xarray, extras.h5netcdf  # missing, they are no damage to the file
     content = check_there(path, WRITER).read_bytes()
-    body = memoryview(content)[: -len(_checksum(b""))]
-    # HDF5 does not see a damaged file: it reads some as another content, and fails in many ways.
-    if content[len(body) :] != _checksum(body):
-        raise damaged(path, "it holds no result that matches its checksum")
     try:
         return beside(_dataset, content)
     except Exception as error:  # what no file of this package is raises what it likes
@@ -59,10 +51,11 @@ def _checksum(body: bytes | memoryview) -> bytes:
 
 
 def beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
-    """Return what `work` makes of `given` in a thread of its own, whose end is waited for.
+    """Return what `work` makes of `given` in a thread of its own.
 
     Python raises KeyboardInterrupt in the main thread only. There h5py's many weak references would
-    swallow it: exceptions in their callbacks are printed and ignored.
+    swallow it: exceptions in their callbacks are printed and ignored. It ends the wait; the thread
+    then ends its work for nobody.
     """
     try:
         from concurrent.futures import ThreadPoolExecutor
@@ -71,19 +64,26 @@ def beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
         made = thread.submit(work, given)
     except RuntimeError:  # in a function of `atexit`: no thread begins any more
         return work(given)
-    with thread:
+    try:
         return made.result()
+    finally:
+        thread.shutdown(wait=False)
 
 
 def _dataset(content: bytes) -> xr.Dataset:
     """Return what is in the bytes of a file."""
     from rustchain.extras import xarray as xr
 
+    body = memoryview(content)[: -len(_checksum(b""))]
+    # HDF5 does not see a damaged file: it reads some as another content, and fails in many ways.
+    if content[len(body) :] != _checksum(body):
+        msg = "it holds no result that matches its checksum"
+        raise ValueError(msg)
     return xr.load_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False)
 
 
 def _image(dataset: xr.Dataset) -> io.BytesIO:
-    """Return the bytes of a netCDF file.
+    """Return the bytes of a netCDF file and the checksum behind it.
 
     HDF5 writes to memory because it does not survive a failing disc: the process ends with a
     segmentation fault when the file is closed.
@@ -96,4 +96,7 @@ def _image(dataset: xr.Dataset) -> io.BytesIO:
     image = io.BytesIO()
     with h5netcdf.File(image, "w") as file:
         dataset.dump_to_store(H5NetCDFStore(file), encoding=packed)
+    checksum = _checksum(image.getbuffer())
+    image.seek(0, io.SEEK_END)
+    image.write(checksum)
     return image

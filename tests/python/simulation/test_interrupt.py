@@ -1,6 +1,7 @@
 """Ctrl-C: a run stops soon, keeps its rows, and can go on; other threads run meanwhile."""
 
 import json
+import os
 import random
 import signal
 import subprocess
@@ -14,6 +15,7 @@ import pytest
 
 import rustchain as rc
 from cores import CoreAround, cores_within
+from rustchain.results import netcdf
 from rustchain.simulation import simulation as module
 from rustchain.simulation.core import core_of, start_of
 
@@ -308,6 +310,28 @@ def test_ctrl_c_while_a_result_is_made_loses_no_row():
     assert len(result.time) == len(result.array("tooth_force")) == 11
 
 
+def test_ctrl_c_ends_the_wait_for_the_thread_of_hdf5():
+    released, heard_before = threading.Event(), []
+
+    def work(number):
+        os.kill(os.getpid(), signal.SIGINT)
+        heard_before.append(released.wait(60.0))
+        return number
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            netcdf.beside(work, 1)
+    finally:
+        signal.signal(signal.SIGINT, before)
+        released.set()
+    for thread in threading.enumerate():
+        if thread.name.startswith("ThreadPoolExecutor"):
+            thread.join(60.0)
+    assert heard_before == [True]
+    assert netcdf.beside(lambda number: number + 1, 1) == 2
+
+
 END = 0.05  # [s]
 
 
@@ -341,6 +365,26 @@ class Run(Stepped):
             assert len(result.array("tooth_force")) == len(result.time)
             assert result.time[0] == begin
             assert result.time[-1] > self.simulation.time - 2e-4
+            if result.status == "interrupted":
+                raise KeyboardInterrupt
+
+
+class Streamed(Stepped):
+    """A run whose rows go to a file, a new one after each interrupt."""
+
+    def __init__(self, folder):
+        super().__init__(folder)
+        self.path = folder / "run.nc"
+
+    def attempt(self):
+        begin = self.simulation.time
+        if begin < END:
+            keywords = {"out": self.path, "memory": "20 MB", "progress": False}
+            result = self.simulation.run(END - begin, 1e-4, **keywords)
+            rows = rc.load_result(self.path)
+            assert rows.status == result.status
+            assert np.array_equal(rows.time, result.time)
+            assert rows.time[-1] > self.simulation.time - 2e-4
             if result.status == "interrupted":
                 raise KeyboardInterrupt
 
@@ -396,8 +440,29 @@ class Swept:
         return b"".join(run.final_positions.tobytes() for run in self.result.results)
 
 
+class Studied:
+    """A study that keeps its runs in a folder."""
+
+    def __init__(self, folder):
+        self.folder, self.result = folder, None
+
+    def attempt(self):
+        times = {"duration": 2e-3, "burn_in": 1e-3, "report_step": 1e-3}
+        keywords = {"runs": 4, "store": self.folder, "progress": False}
+        self.result = rc.study(rc.paper_drive(), **times, **keywords)
+        if self.result.sweep.status == "interrupted":
+            raise KeyboardInterrupt
+
+    def found(self):
+        samples = self.result.samples.data_vars
+        assert len(samples) > 1
+        return b"".join(values.to_numpy().tobytes() for values in samples.values())
+
+
+# A file that is opened while the signal comes is closed by the garbage collector.
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
 @pytest.mark.skipif(not hasattr(signal, "SIGPROF"), reason="no timer of processor time here")
-@pytest.mark.parametrize("operation", [Stepped, Run, Started, Files, Swept])
+@pytest.mark.parametrize("operation", [Stepped, Run, Streamed, Started, Files, Swept, Studied])
 def test_interrupts_at_random_moments_lose_nothing_and_change_no_bit(operation, tmp_path):
     """Interrupted again and again, each operation ends in the bits of an undisturbed one."""
 
