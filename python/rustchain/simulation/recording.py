@@ -61,6 +61,7 @@ class Recording:
         self._stream: Stream | None = None
         self._piece, self._written = Piece(1, 1), 0.0
         self._taken: list[dict[str, Any]] = []
+        self._end: tuple[Status, str, dict[str, Any]]  # status, message and stats in the file
 
     def stream_to(self, out: str | Path, piece: Piece) -> None:
         """Have the rows written to a file during the run."""
@@ -73,10 +74,11 @@ class Recording:
     def run(self, duration: float, progress: bool, looks: Sequence[Look]) -> Result:
         """Advance to the end of the recording and return the result, as `Simulation.run`."""
         try:
-            reason = self._advance(duration, progress, looks)
-            return self.result("finished" if reason is None else "stopped", reason)
-        except KeyboardInterrupt:
-            return self.result("interrupted")
+            try:
+                reason = self._advance(duration, progress, looks)
+                return self.result("finished" if reason is None else "stopped", reason)
+            except KeyboardInterrupt:
+                return self.result("interrupted")
         except Exception as error:  # what a callback raised, too
             told = str(error) if isinstance(error, SimulationError) else repr(error)
             error.result = self.result("failed", told)  # type: ignore[attr-defined]
@@ -113,7 +115,11 @@ class Recording:
             self._written = time.monotonic()
 
     def result(self, status: Status, reason: str | None = None) -> Result:
-        """Return the result, with all rows."""
+        """Return the result, with all rows.
+
+        The file has one end. After an interrupt during `Stream.finish` it is that of the first
+        call, and a later call returns the result of that one.
+        """
         now = f"t = {self._simulation.time:.6g} s"
         messages = {
             "finished": f"reached {now}",
@@ -140,6 +146,7 @@ class Recording:
                 name: getattr(self._simulation, name).tolist()
                 for name in ("positions", "velocities")
             }
+            self._end = status, message, stats
             return {"status": status, "message": message, "stats": stats} | states
 
         try:
@@ -147,7 +154,8 @@ class Recording:
         except OSError:
             if status != "failed":
                 raise
-        return self._result_of(self._stream.arrays(), status, message, stats)
+            self._end = status, message, stats
+        return self._result_of(self._stream.arrays(), *self._end)
 
     def _stats(self) -> dict[str, float]:
         """Return the counts and times of this run."""

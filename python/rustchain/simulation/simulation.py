@@ -261,7 +261,8 @@ class Simulation(Present):
         -------
         Result
             After Ctrl-C with status "interrupted" and the rows until then. With `out`, its arrays
-            are read from the file when they are accessed.
+            are read from the file when they are accessed. Ctrl-C while the end of the file is
+            written does not change its status, such as "finished".
 
         Raises
         ------

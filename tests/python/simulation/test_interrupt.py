@@ -1,5 +1,6 @@
 """Ctrl-C: a run stops soon, keeps its rows, and can go on; other threads run meanwhile."""
 
+import errno
 import json
 import os
 import random
@@ -16,6 +17,7 @@ import pytest
 import rustchain as rc
 from cores import CoreAround, cores_within
 from rustchain.results import netcdf
+from rustchain.results.stream import Stream
 from rustchain.simulation import simulation as module
 from rustchain.simulation.core import core_of, start_of
 
@@ -308,6 +310,77 @@ def test_ctrl_c_while_a_result_is_made_loses_no_row():
     result = simulation.run(1e-3, 1e-4, record=("teeth",), progress=False)
     assert result.status == "interrupted"
     assert len(result.time) == len(result.array("tooth_force")) == 11
+
+
+@pytest.mark.parametrize(("behind", "status"), [(False, "interrupted"), (True, "finished")])
+def test_ctrl_c_while_a_file_gets_its_end_leaves_file_and_result_alike(
+    behind, status, tmp_path, monkeypatch
+):
+    """Before the end is handed to the thread that writes, the run is interrupted; behind, not."""
+    finish, pressed = Stream.finish, []
+
+    def interrupted(stream, *arguments):
+        if behind or pressed:
+            finish(stream, *arguments)
+        if not pressed:
+            pressed.append(True)
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Stream, "finish", interrupted)
+    path = tmp_path / "run.nc"
+    result = rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-4, out=path, progress=False)
+    rows = rc.load_result(path)
+    assert pressed
+    assert result.status == rows.status == status
+    assert result.message == rows.message
+    assert result.stats == rows.stats
+    assert result.stats["largest_residual"] > 0.0
+    assert len(result.time) == len(rows.time) == 11
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="no signals to threads here")
+def test_ctrl_c_during_the_wait_for_the_end_of_a_file_changes_no_status(tmp_path, monkeypatch):
+    finish, heard = Stream.finish, threading.Event()
+
+    def press(number, frame):
+        heard.set()
+        raise KeyboardInterrupt
+
+    def slow(stream, take, *arguments):
+        def interrupted(count):  # in the thread that writes
+            signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+            assert heard.wait(60.0)
+            return take(count)
+
+        finish(stream, interrupted, *arguments)
+
+    monkeypatch.setattr(Stream, "finish", slow)
+    path = tmp_path / "run.nc"
+    simulation = rc.Simulation(rc.paper_drive(25.0))
+    before = signal.signal(signal.SIGINT, press)
+    try:
+        result = simulation.run(1e-3, 1e-4, out=path, progress=False)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert heard.is_set()
+    assert result.status == rc.load_result(path).status == "finished"
+
+
+def test_an_error_of_the_disc_behind_ctrl_c_has_its_rows(tmp_path, monkeypatch):
+    finish, pressed = Stream.finish, []
+
+    def full(stream, *arguments):
+        finish(stream, *arguments)
+        if not pressed:
+            pressed.append(True)
+            raise KeyboardInterrupt
+        raise OSError(errno.ENOSPC, "No space left")
+
+    monkeypatch.setattr(Stream, "finish", full)
+    with pytest.raises(OSError, match="No space left") as raised:
+        rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-4, out=tmp_path / "run.nc", progress=False)
+    assert raised.value.result.status == "failed"
+    assert len(raised.value.result.time) == 11
 
 
 def test_ctrl_c_ends_the_wait_for_the_thread_of_hdf5():
