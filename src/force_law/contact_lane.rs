@@ -163,6 +163,40 @@ mod tests {
     }
 
     #[test]
+    fn slopes_of_the_power_are_those_of_differences() {
+        let (depth, step) = (1e-6, 1e-9);
+        for memory in [0.0, 20.0] {
+            for rate in [-0.02, 2e-4, 0.04] {
+                let contact = at(depth, rate, memory);
+                let [by_depth, by_rate] = contact.power_slopes(1e8, contact.slopes(1e8));
+                let difference = |to: ContactLane<f64>, from: ContactLane<f64>| {
+                    (to.power() - from.power()) / (2.0 * step)
+                };
+                let deeper = difference(
+                    at(depth + step, rate, memory),
+                    at(depth - step, rate, memory),
+                );
+                let faster = difference(
+                    at(depth, rate + step, memory),
+                    at(depth, rate - step, memory),
+                );
+                assert!(
+                    (by_depth - deeper).abs() < 1e-6 * deeper.abs(),
+                    "{memory} {rate}"
+                );
+                assert!(
+                    (by_rate - faster).abs() < 1e-4 * faster.abs(),
+                    "{memory} {rate}"
+                );
+            }
+        }
+        assert_eq!(
+            ContactLane::undamped(100.0).power_slopes(1e8, [1e8, 0.0]),
+            [0.0; 2]
+        );
+    }
+
+    #[test]
     fn a_contact_without_memory_has_the_factor_of_its_present_rate_or_of_the_minimum() {
         // 100 N (1 + λ), then 100 N (1 + λ δ'/floor), then separation at a rate of -2 floor.
         for (rate, force) in [(0.04, 140.0), (2e-4, 108.0), (-2e-3, 20.0)] {

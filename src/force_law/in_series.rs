@@ -50,6 +50,8 @@ pub(crate) fn depth_in_series<R: Real, L: ElasticLaw>(pair: [R; 2], compliance: 
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use pulp::{Simd, WithSimd};
 
     use super::*;
@@ -158,6 +160,43 @@ mod tests {
                     });
                 }
             }
+        }
+    }
+
+    thread_local! {
+        static EVALUATIONS: Cell<u32> = const { Cell::new(0) };
+    }
+
+    /// A cubic force, f = 1e18 δ³, whose evaluations are counted.
+    struct Counted;
+
+    impl ElasticLaw for Counted {
+        fn elastic<R: Real>(_: [R; 2], penetration: R) -> R {
+            EVALUATIONS.set(EVALUATIONS.get() + 1);
+            penetration.constant(1e18) * penetration * penetration * penetration
+        }
+
+        fn slope<R: Real>(_: [R; 2], penetration: R, _: R) -> R {
+            penetration.constant(3e18) * penetration * penetration
+        }
+
+        fn stored(_: &[f64; 2], _: f64, _: f64) -> f64 {
+            0.0
+        }
+    }
+
+    #[test]
+    fn newtons_method_takes_few_evaluations_where_the_force_is_convex() {
+        for (compliance, most) in [(1e-9, 4), (1e-8, 5), (1e-7, 6), (1e-6, 7)] {
+            EVALUATIONS.set(0);
+            let found = depth_in_series::<f64, Counted>([0.0; 2], compliance, 1e-6);
+            let rest = found + compliance * 1e18 * found.powi(3) - 1e-6;
+            assert!(rest.abs() < 1e-20, "{compliance:e}: {rest:e}");
+            assert!(
+                EVALUATIONS.get() <= most,
+                "{compliance:e}: {}",
+                EVALUATIONS.get()
+            );
         }
     }
 

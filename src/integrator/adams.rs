@@ -288,3 +288,6 @@ impl Adams {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

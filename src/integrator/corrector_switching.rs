@@ -195,3 +195,165 @@ impl Adams {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::stability::FastestRate;
+    use crate::integrator::{OdeSystem, StepControl};
+
+    /// The number of single steps in favour of a change that make it.
+    fn steps_to_change(switching: &mut CorrectorSwitching) -> u32 {
+        1 + (0..).take_while(|_| !switching.record(true, 1)).count() as u32
+    }
+
+    #[test]
+    fn a_change_takes_twenty_steps_net_of_those_against_it() {
+        let mut switching = CorrectorSwitching::new();
+        assert!(!switching.record(false, 100));
+        assert!(!switching.record(true, 19));
+        assert!(!switching.record(false, 4));
+        assert!(!switching.record(true, 4));
+        assert!(!switching.implicit);
+        assert!(switching.record(true, 1));
+        assert!(switching.implicit);
+        assert_eq!((switching.evidence, switching.steps_since_switch), (0, 0));
+    }
+
+    #[test]
+    fn changes_that_did_not_pay_double_the_threshold_up_to_a_bound() {
+        let mut switching = CorrectorSwitching::new();
+        // The first corrector was in use for less than five thresholds, and so is each that follows.
+        let steps = [(); 16].map(|()| steps_to_change(&mut switching));
+        let expected = [
+            20, 40, 40, 80, 80, 160, 160, 320, 320, 640, 640, 1280, 1280, 1280, 1280, 1280,
+        ];
+        assert_eq!(steps, expected);
+    }
+
+    #[test]
+    fn a_corrector_that_was_of_use_has_the_first_threshold_again() {
+        let mut switching = CorrectorSwitching::new();
+        assert_eq!(steps_to_change(&mut switching), 20);
+        // In use for 99 and for 100 steps, five times its threshold of twenty.
+        let mut short = CorrectorSwitching {
+            threshold: [160, 20],
+            ..switching
+        };
+        let mut long = short;
+        short.record(false, 79);
+        long.record(false, 80);
+        assert_eq!(steps_to_change(&mut short), 20);
+        assert_eq!(steps_to_change(&mut long), 20);
+        assert_eq!(short.threshold, [320, 20]);
+        assert_eq!(long.threshold, [SWITCH_THRESHOLD, 20]);
+    }
+
+    /// A body of mass one with a damper.
+    struct Damped(f64);
+
+    impl OdeSystem for Damped {
+        fn dimension(&self) -> usize {
+            2
+        }
+        fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+            dydt.copy_from_slice(&[y[1], -self.0 * y[1]]);
+        }
+    }
+
+    impl SecondOrderSystem for Damped {
+        fn coordinates(&self) -> usize {
+            1
+        }
+        fn factorise(&mut self, _y: &[f64], _gamma: f64) -> bool {
+            true
+        }
+        fn correct(&mut self, _residual: &mut [f64]) {}
+        fn scale(&self, lengths: &mut [f64]) {
+            lengths.fill(1.0);
+        }
+    }
+
+    /// An integrator behind some explicit steps of at most 1 s from this velocity.
+    fn stepped(damping: f64, velocity: f64) -> Adams {
+        let control = StepControl {
+            rtol: 1e-3,
+            atol: 1e-3,
+            max_step: 1.0,
+            corrector: Corrector::Auto,
+            ..StepControl::default()
+        };
+        let mut adams = Adams::new(2, control);
+        adams.restart(0.0, &[0.0, velocity]);
+        for _ in 0..5 {
+            adams.step_pece(&mut Damped(damping)).unwrap();
+        }
+        adams
+    }
+
+    #[test]
+    fn the_rate_of_a_damper_follows_from_the_two_evaluations_of_a_step() {
+        let rate = stepped(50.0, 1.0).rate_from_slopes(1);
+        assert!((rate / 50.0 - 1.0).abs() < 1e-6, "{rate}");
+        // Nothing changes at rest.
+        assert_eq!(stepped(50.0, 0.0).rate_from_slopes(1), 0.0);
+    }
+
+    #[test]
+    fn explicit_steps_pay_where_stability_allows_their_length() {
+        let evidence = |unmeasured: bool, rate: f64| {
+            let mut adams = stepped(1.0, 0.0);
+            adams.switching.implicit = true;
+            adams.switching.evidence = 10;
+            adams.convergence.unmeasured = unmeasured;
+            adams.next.size = 0.5;
+            adams.fastest = FastestRate::default();
+            adams.fastest.record(rate / 0.5);
+            adams.check_switch_to_explicit();
+            assert_eq!(adams.next.size, 0.5);
+            adams.switching.evidence
+        };
+        // An explicit step of 0.4 over the rate costs 2; one of h costs 2.5 or 4 and has to gain a fifth.
+        assert_eq!(
+            [0.1, 0.41, 0.42].map(|rate| evidence(true, rate)),
+            [11, 11, 9]
+        );
+        assert_eq!(
+            [0.1, 0.66, 0.67].map(|rate| evidence(false, rate)),
+            [11, 11, 9]
+        );
+        let mut adams = stepped(1.0, 0.0);
+        (adams.switching.implicit, adams.switching.evidence) = (true, SWITCH_THRESHOLD - 1);
+        adams.convergence.unmeasured = false;
+        adams.next.size = 0.5;
+        adams.fastest = FastestRate::default();
+        adams.fastest.record(1.0);
+        adams.check_switch_to_explicit();
+        assert!(!adams.switching.implicit);
+        assert_eq!(adams.next.size, EXPLICIT_REACH);
+    }
+
+    #[test]
+    fn implicit_steps_pay_at_low_orders_and_near_the_limit_of_stability() {
+        // At rest, where the error at order two is zero.
+        let evidence = |order: usize, step: f64, rate: f64| {
+            let mut adams = stepped(1.0, 0.0);
+            adams.history.last_order = order;
+            adams.history.last_step_size = step;
+            adams.fastest = FastestRate::default();
+            // It fades over the steps of a check.
+            adams.fastest.record(rate / 0.95f64.powi(4) / step);
+            adams.switching.evidence = 10;
+            adams.check_switch_to_implicit(&Damped(1.0));
+            adams.switching.evidence
+        };
+        assert_eq!(evidence(1, 0.4, 0.0), 14);
+        assert_eq!(evidence(4, 0.4, 0.0), 14);
+        assert_eq!(evidence(5, 0.4, 0.0), 6);
+        let limit = 0.5 * explicit_limit(5);
+        assert_eq!(evidence(5, 0.4, 1.01 * limit), 14);
+        assert_eq!(evidence(5, 0.4, 0.99 * limit), 6);
+        // No step may be twice as long.
+        assert_eq!(evidence(4, 0.6, 0.0), 6);
+    }
+}

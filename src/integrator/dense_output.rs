@@ -148,3 +148,58 @@ impl Adams {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::{OdeSystem, StepControl};
+
+    /// y = (cos t, -sin t, 2 t).
+    struct Circle;
+
+    impl OdeSystem for Circle {
+        fn dimension(&self) -> usize {
+            3
+        }
+        fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+            dydt.copy_from_slice(&[y[1], -y[0], 2.0]);
+        }
+    }
+
+    #[test]
+    fn all_forms_of_the_dense_output_are_the_solution_inside_the_step() {
+        let control = StepControl {
+            rtol: 1e-10,
+            atol: 1e-10,
+            max_step: 0.1,
+            ..StepControl::default()
+        };
+        let mut adams = Adams::new(3, control);
+        adams.restart(0.0, &[1.0, 0.0, 0.0]);
+        for _ in 0..60 {
+            adams.step(&mut Circle).unwrap();
+            let size = adams.history.last_step_size;
+            let sums = adams.dense_sums(|y| [y[0] + y[2], 3.0 * y[1]]);
+            assert_eq!(
+                sums.end(),
+                [adams.y()[0] + adams.y()[2], 3.0 * adams.y()[1]]
+            );
+            for share in [0.0, 0.25, 0.5, 0.8, 1.0] {
+                let t = adams.time() - share * size;
+                let exact = [t.cos(), -t.sin(), 2.0 * t];
+                let mut written = [f64::NAN; 3];
+                adams.interpolate(t, &mut written);
+                for (k, (written, exact)) in written.iter().zip(exact).enumerate() {
+                    assert!((written - exact).abs() < 1e-8, "{k} {t}: {written} {exact}");
+                    assert!((adams.dense(t).value(k) - written).abs() < 1e-13);
+                }
+                let [end, change] = [sums.end(), sums.change_at(t)];
+                let expected = [exact[0] + exact[2], 3.0 * exact[1]];
+                for k in 0..2 {
+                    assert!((end[k] + change[k] - expected[k]).abs() < 4e-8, "{k} {t}");
+                }
+            }
+        }
+        assert!(adams.history.last_order > 4);
+    }
+}

@@ -268,3 +268,73 @@ impl Differences {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::{Adams, OdeSystem, StepControl};
+
+    /// y' = 1e-6: an increment of 450.4 units in the last place of one in each step of 1e-7 s.
+    struct Slow;
+
+    impl OdeSystem for Slow {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&mut self, _t: f64, _y: &[f64], dydt: &mut [f64]) {
+            dydt[0] = 1e-6;
+        }
+    }
+
+    /// The error of 4000 steps.
+    fn error(tolerance: f64) -> f64 {
+        let control = StepControl {
+            rtol: 0.0,
+            atol: tolerance,
+            max_step: 1e-7,
+            ..StepControl::default()
+        };
+        let mut adams = Adams::new(1, control);
+        adams.restart(0.0, &[1.0]);
+        for _ in 0..4000 {
+            adams.step(&mut Slow).unwrap();
+        }
+        (adams.y()[0] - 1.0) - 1e-6 * adams.time()
+    }
+
+    #[test]
+    fn the_rounding_of_sums_is_compensated_at_tolerances_near_it() {
+        assert!(error(1e-14).abs() <= f64::EPSILON);
+        // Each step loses about a third of a unit in the last place.
+        assert!(error(1e-12).abs() > 1000.0 * 0.2 * f64::EPSILON);
+    }
+
+    #[test]
+    fn a_table_of_other_sizes_or_with_invalid_indices_is_not_like_one() {
+        let like = Differences::new(3);
+        let refused = |change: fn(&mut Differences)| {
+            let mut changed = Differences::new(3);
+            changed.restart(&padded_zeros(3), true);
+            assert!(changed.is_like(&like));
+            change(&mut changed);
+            !changed.is_like(&like)
+        };
+        assert!(refused(|table| table.dimension = 4));
+        assert!(refused(|table| table.width *= 2));
+        assert!(refused(|table| table.table = padded_zeros(8)));
+        assert!(refused(|table| table.newest = MAX_ORDER + 1));
+        assert!(!refused(|table| table.newest = MAX_ORDER));
+        assert!(refused(|table| table
+            .compensation
+            .as_mut()
+            .unwrap()
+            .kept
+            .clear()));
+        assert!(refused(|table| table
+            .compensation
+            .as_mut()
+            .unwrap()
+            .predicted
+            .clear()));
+    }
+}

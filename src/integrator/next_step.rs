@@ -116,3 +116,110 @@ impl NextStep {
 fn shortest_at(time: f64) -> f64 {
     ROUNDING_OF_TIME * time.abs()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn control() -> StepControl {
+        StepControl {
+            max_step: 0.1,
+            ..StepControl::default()
+        }
+    }
+
+    /// The first step at `time`, of at most 0.1 s.
+    fn first(time: f64, scale: f64, slope: f64) -> NextStep {
+        let mut next = NextStep::new();
+        next.start(&control(), time, scale, slope);
+        next
+    }
+
+    #[test]
+    fn the_first_step_takes_a_sixteenth_of_the_tolerance() {
+        // 16 |f| h² is one.
+        let next = first(0.0, 1.0, 100.0);
+        assert_eq!(next.size, 0.025);
+        assert_eq!(16.0 * 100.0 * next.size * next.size, 1.0);
+        // Shorter than that already: the time scale and the longest steps.
+        assert_eq!(first(0.0, 0.02, 100.0).size, 0.02);
+        assert_eq!(first(0.0, 1.0, 1.0).size, 0.1);
+        let mut limited = NextStep::new();
+        limited.limit(0.01, 0.0);
+        limited.start(&control(), 0.0, 1.0, 1.0);
+        assert_eq!(limited.size, 0.01);
+        assert!(limited.growing && limited.order == 1);
+    }
+
+    #[test]
+    fn a_step_is_not_below_the_rounding_of_time() {
+        let epsilon = f64::EPSILON;
+        assert_eq!(first(8.0, 1.0, 1e60).size, 32.0 * epsilon);
+        assert_eq!(first(-8.0, 1.0, 1e60).size, 32.0 * epsilon);
+        // At time zero a share of the first step is the smallest, and a step of any size there is.
+        let mut next = first(0.0, 1.0, 1.0);
+        assert!(next.exceeds_rounding(4.1e-4 * epsilon, 0.0));
+        assert!(!next.exceeds_rounding(3.9e-4 * epsilon, 0.0));
+        assert!(next.exceeds_rounding(4.0 * epsilon, 1.0));
+        assert!(!next.exceeds_rounding(3.9 * epsilon, 1.0));
+        assert_eq!(first(0.0, 1.0, f64::INFINITY).size, f64::MIN_POSITIVE);
+    }
+
+    #[test]
+    fn limits_shorten_the_next_step_and_never_lengthen_it() {
+        let mut next = first(1.0, 1.0, 1.0);
+        next.limit(0.2, 1.0);
+        assert_eq!(next.size, 0.1);
+        next.limit(0.03, 1.0);
+        assert_eq!(next.size, 0.03);
+        next.limit(1e-30, 1.0);
+        assert_eq!(next.size, 4.0 * f64::EPSILON);
+        next.set_size(0.05, &control(), 1.0);
+        assert_eq!(next.size, 0.05);
+        next.set_size(0.5, &control(), 1.0);
+        assert_eq!(next.size, 0.1);
+        next.set_size(0.0, &control(), 2.0);
+        assert_eq!(next.size, 8.0 * f64::EPSILON);
+    }
+
+    #[test]
+    fn half_of_the_longest_step_is_near_it() {
+        let mut next = NextStep::new();
+        assert!(next.is_near_longest(&control(), 0.05));
+        assert!(!next.is_near_longest(&control(), 0.049));
+        next.limit(0.01, 0.0);
+        assert!(next.is_near_longest(&control(), 0.005));
+        assert!(!next.is_near_longest(&control(), 0.0049));
+    }
+
+    #[test]
+    fn order_and_size_grow_until_a_lower_order_is_as_good() {
+        let falling = ErrorEstimate {
+            two_below: 4.0,
+            one_below: 2.0,
+            at_order: 1.0,
+            local: 1.0,
+        };
+        let mut next = first(0.0, 0.02, 1.0);
+        assert!(next.grow(&falling, (3, 0.02), 12, &control()));
+        assert_eq!((next.order, next.size), (4, 0.04));
+        assert!(next.grow(&falling, (4, 0.08), 12, &control()));
+        assert_eq!((next.order, next.size), (5, 0.1));
+        let noise = ErrorEstimate {
+            two_below: 1.0,
+            ..falling
+        };
+        let rising = ErrorEstimate {
+            one_below: 1.0,
+            ..noise
+        };
+        assert!(next.clone().grow(&noise, (5, 0.1), 12, &control()));
+        assert!(!next.clone().grow(&rising, (5, 0.1), 12, &control()));
+        assert!(!next.clone().grow(&falling, (12, 0.1), 12, &control()));
+        assert!(next.clone().grow(&falling, (11, 0.1), 12, &control()));
+        // It has ended for good.
+        next.growing = false;
+        assert!(!next.grow(&falling, (5, 0.02), 12, &control()));
+        assert_eq!((next.order, next.size), (5, 0.1));
+    }
+}

@@ -140,3 +140,120 @@ pub(super) fn mean_square_factor(control: &StepControl, controlled: usize) -> f6
         1.0 / controlled as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two coordinates with length scales of 1 and 0.1, and a sum without error control.
+    struct Scaled;
+
+    impl OdeSystem for Scaled {
+        fn dimension(&self) -> usize {
+            5
+        }
+        fn controlled(&self) -> usize {
+            4
+        }
+        fn derivative(&mut self, _t: f64, _y: &[f64], dydt: &mut [f64]) {
+            dydt.fill(0.0);
+        }
+    }
+
+    impl SecondOrderSystem for Scaled {
+        fn coordinates(&self) -> usize {
+            2
+        }
+        fn factorise(&mut self, _y: &[f64], _gamma: f64) -> bool {
+            true
+        }
+        fn correct(&mut self, _residual: &mut [f64]) {}
+        fn scale(&self, lengths: &mut [f64]) {
+            lengths.copy_from_slice(&[1.0, 0.1]);
+        }
+    }
+
+    const Y: [f64; 5] = [1.0, -3.0, 0.0, 7.0, 9.0];
+
+    fn by_accuracy(accuracy: f64) -> StepControl {
+        StepControl {
+            accuracy,
+            ..StepControl::default()
+        }
+    }
+
+    fn by_component(rtol: f64, atol: f64) -> StepControl {
+        StepControl {
+            rtol,
+            atol,
+            ..StepControl::default()
+        }
+    }
+
+    fn norm_of(control: &StepControl, mean: bool) -> ErrorNorm {
+        let mut norm = ErrorNorm::new(5);
+        norm.update_by_scale(InstructionSet::detect(), control, &Scaled, mean, (&Y, true));
+        norm
+    }
+
+    fn near(value: f64, expected: f64) {
+        assert!((value / expected - 1.0).abs() < 1e-14, "{value}");
+    }
+
+    #[test]
+    fn permitted_errors_follow_the_length_scale_of_each_coordinate() {
+        let norm = norm_of(&by_accuracy(1e-6), false);
+        // 1e-6 m and 1e-5 rad; 0.1 m/s and 1 rad/s.
+        for (weight, permitted) in norm.inverse_weight.iter().zip([1e-6, 1e-5, 0.1, 1.0]) {
+            near(1.0 / weight, permitted);
+        }
+        assert!(norm.inverse_weight[4..].iter().all(|weight| *weight == 0.0));
+    }
+
+    #[test]
+    fn the_norm_is_euclidean_or_a_root_mean_square() {
+        let set = InstructionSet::detect();
+        // Each component has its permitted error; the sum does not count.
+        let mut values = padded_zeros(5);
+        values[..5].copy_from_slice(&[1e-6, 1e-5, 0.1, 1.0, 1e9]);
+        near(norm_of(&by_accuracy(1e-6), false).of(set, &values), 2.0);
+        near(norm_of(&by_accuracy(1e-6), true).of(set, &values), 1.0);
+        let halves: Vec<f64> = values.iter().map(|value| 0.5 * value).collect();
+        let sum = norm_of(&by_accuracy(1e-6), true).of_parts(set, &halves, Some(&values));
+        near(sum, 1.5);
+        near(norm_of(&by_accuracy(1e-6), true).of_sum(64.0), 4.0);
+    }
+
+    #[test]
+    fn tolerances_by_component_have_a_euclidean_norm() {
+        for mean in [false, true] {
+            let norm = norm_of(&by_component(1e-3, 1e-2), mean);
+            for (weight, permitted) in norm.inverse_weight.iter().zip([0.011, 0.013, 0.01, 0.017]) {
+                near(1.0 / weight, permitted);
+            }
+            assert_eq!(norm.inverse_weight[4], 0.0);
+            assert_eq!(norm.of_sum(64.0), 8.0);
+        }
+        assert_eq!(mean_square_factor(&by_component(1e-3, 0.0), 4), 1.0);
+        assert_eq!(mean_square_factor(&by_accuracy(1e-6), 4), 0.25);
+    }
+
+    #[test]
+    fn systems_of_first_order_have_one_permitted_error() {
+        let set = InstructionSet::detect();
+        let mut norm = ErrorNorm::new(5);
+        norm.update(set, &by_accuracy(1e-6), &Scaled, (&Y, true));
+        assert!(
+            norm.inverse_weight[..4]
+                .iter()
+                .all(|weight| *weight == 1.0 / 1e-6)
+        );
+        assert_eq!(norm.inverse_weight[4], 0.0);
+        // Written at the start only; those by component in each step.
+        norm.update(set, &by_accuracy(1e-3), &Scaled, (&Y, false));
+        assert_eq!(norm.inverse_weight[0], 1.0 / 1e-6);
+        norm.update(set, &by_component(0.0, 0.5), &Scaled, (&Y, false));
+        assert_eq!(norm.inverse_weight[..5], [2.0, 2.0, 2.0, 2.0, 0.0]);
+        assert_eq!(norm.of_sum(64.0), 8.0);
+    }
+}

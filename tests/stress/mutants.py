@@ -72,7 +72,7 @@ def changes(node: ast.AST) -> Iterator[ast.AST]:
         new.op = ast.Or() if isinstance(node.op, ast.And) else ast.And()
         yield new
     elif isinstance(node, ast.UnaryOp) and not isinstance(node.op, ast.Invert):
-        yield node.operand
+        yield copy.copy(node.operand)  # its place in the source is changed by the caller
     elif isinstance(node, ast.Constant) and isinstance(node.value, bool | int | float):
         value = node.value
         new.value = (

@@ -289,3 +289,20 @@ fn derivatives_of_a_single_film_are_those_of_differences() {
         assert_eq!((gradient.force, gradient.shear), ([[0.0; 3]; 2], 0.0));
     }
 }
+
+#[test]
+fn a_film_at_rest_has_finite_derivatives() {
+    for film in hinges() {
+        for ratio in [0.0, 0.3, 0.95] {
+            let (found, gradient) = film.slopes(ratio * film.clearance, [0.0, 0.0]);
+            assert_eq!(found.force, [0.0, 0.0]);
+            let slopes = gradient.force.iter().flatten();
+            assert!(
+                slopes
+                    .chain([&gradient.shear])
+                    .all(|slope| slope.is_finite()),
+                "{ratio}"
+            );
+        }
+    }
+}

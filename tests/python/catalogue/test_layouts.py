@@ -307,3 +307,25 @@ def test_any_layout_starts_closed_and_free_of_contact(sprockets, pairs):
     half = 0.5 * PITCH * np.stack([np.cos(q[:, 2]), np.sin(q[:, 2])], axis=1)
     opening = np.hypot(*(q[:, :2] + half - np.roll(q[:, :2] - half, -1, axis=0)).T)
     assert np.max(opening) <= drive.check().hinge_stretch + 1e-12
+
+
+PAIR = (rc.Sprocket(17, motion=rc.PrescribedSpeed(12.0)), rc.Sprocket(25, (0.4, 0.0)))
+
+
+def test_the_length_of_a_direction_does_not_count():
+    centers = [
+        rc.chain_drive("ANSI 40", PAIR, links=86, adjust=2, direction=direction).sprockets[1].center
+        for direction in ((1.0, 0.1), (5.0, 0.5), (-0.2, -0.02))
+    ]
+    assert centers[0][0] > 0.41
+    np.testing.assert_allclose(centers[1:], [centers[0]] * 2, rtol=1e-12)
+
+
+def test_links_of_different_elongation_are_counted_by_their_mean_and_keep_their_own():
+    made = rc.catalogue_chain("ANSI 40", 100)
+    links = rc.chain_drive(replace(made, elongation=0.02), PAIR).chain.links
+    assert links < rc.chain_drive(made, PAIR).chain.links
+    each = (0.01, 0.03) * (links // 2)
+    worn = replace(made, links=links, elongation=each)
+    assert rc.chain_drive(worn, PAIR).chain == worn
+    assert rc.chain_drive(worn, PAIR, links=links, adjust=2).chain == worn
