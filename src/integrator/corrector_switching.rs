@@ -204,7 +204,7 @@ mod tests {
 
     /// The number of single steps in favour of a change that make it.
     fn steps_to_change(switching: &mut CorrectorSwitching) -> u32 {
-        1 + (0..).take_while(|_| !switching.record(true, 1)).count() as u32
+        (1..10_000).find(|_| switching.record(true, 1)).unwrap()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// y' = (y_1, -y_0, 2).
+/// y' = (y₁, -y₀, 2).
 struct Circle;
 
 impl OdeSystem for Circle {
