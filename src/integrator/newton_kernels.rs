@@ -59,8 +59,6 @@ pub(super) struct PredictForNewton<'a> {
 
 /// Constants of [`PredictForNewton`] as SIMD vectors.
 struct LowOrderPredictor<S: Simd> {
-    two: bool,
-    newest: usize,
     step: Lanes<S>,
     beta: Lanes<S>,
     g: [Lanes<S>; 2],
@@ -69,16 +67,20 @@ struct LowOrderPredictor<S: Simd> {
 impl<S: Simd> LowOrderPredictor<S> {
     /// Return φ*_1, φ*_2 and the predicted value from the first three rows and y.
     #[inline(always)]
-    fn predict(&self, rows: [Lanes<S>; 3], y: Lanes<S>) -> ([Lanes<S>; 2], Lanes<S>) {
+    fn predict<const TWO: bool, const NEWEST: usize>(
+        &self,
+        rows: [Lanes<S>; 3],
+        y: Lanes<S>,
+    ) -> ([Lanes<S>; 2], Lanes<S>) {
         let [mut first, mut second, third] = rows;
         // Deferred addition of the newest difference.
-        if self.newest == 2 {
+        if NEWEST == 2 {
             (first, second) = (first + third, second + third);
-        } else if self.newest == 1 {
+        } else if NEWEST == 1 {
             first = first + second;
         }
         // Order two: p = y + h (g_1 φ_1 + g_2 β_2 φ_2); order one: p = y + h g_1 φ_1.
-        if self.two {
+        if TWO {
             let phi = second * self.beta;
             let sum = first.mul_add(self.g[0], phi * self.g[1]);
             ([phi + first, phi], self.step * sum + y)
@@ -93,12 +95,26 @@ impl WithSimd for PredictForNewton<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        // Nearly all steps have order two after a step of order two.
+        match (self.order == 2, self.newest) {
+            (true, 2) => self.run::<S, true, 2>(simd),
+            (true, 1) => self.run::<S, true, 1>(simd),
+            (true, _) => self.run::<S, true, 0>(simd),
+            (false, 2) => self.run::<S, false, 2>(simd),
+            (false, 1) => self.run::<S, false, 1>(simd),
+            (false, _) => self.run::<S, false, 0>(simd),
+        }
+    }
+}
+
+impl PredictForNewton<'_> {
+    /// Predict at order two or one, with the newest difference in row `NEWEST` or added already.
+    #[inline(always)]
+    fn run<S: Simd, const TWO: bool, const NEWEST: usize>(self, simd: S) {
         let splat = |value| Lanes::splat(simd, value);
         let n = self.predicted.len();
         let gamma = splat(self.gamma);
         let with = LowOrderPredictor::<S> {
-            two: self.order == 2,
-            newest: self.newest,
             step: splat(self.step),
             beta: splat(self.beta),
             g: self.g.map(splat),
@@ -122,13 +138,13 @@ impl WithSimd for PredictForNewton<'_> {
         each_vector!(S, n, |at| {
             // Velocities first: their predicted value enters the coordinates.
             let rows = [first_v.get(at), second_v.get(at), third_v.get(at)];
-            let (rows, speed) = with.predict(rows, y_v.get(at));
+            let (rows, speed) = with.predict::<TWO, NEWEST>(rows, y_v.get(at));
             first_v.set(at, rows[0]);
             second_v.set(at, rows[1]);
             predicted.set(at, speed);
             trial_v.set(at, speed);
             let rows = [first_q.get(at), second_q.get(at), third_q.get(at)];
-            let (rows, place) = with.predict(rows, y_q.get(at));
+            let (rows, place) = with.predict::<TWO, NEWEST>(rows, y_q.get(at));
             first_q.set(at, rows[0]);
             second_q.set(at, rows[1]);
             trial_q.set(at, gamma.mul_add(speed - rows[0], place));

@@ -15,9 +15,11 @@
 
 use pulp::Simd;
 
-use super::ring::{HingeBlocks, own_registers};
+use super::ring::{HingeBlocks, own_packs};
 use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
-use crate::math::simd::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
+use crate::math::simd::{
+    Lanes, Numbers, WIDTH, packs_mut, padded_zeros, parts, put_part, read, vectors_mut,
+};
 
 /// Return α and η of vector `part` of these contacts.
 #[inline(always)]
@@ -127,18 +129,19 @@ pub(super) fn assemble_compliance<S: Simd, const FRICTION: bool>(
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
     loaded.any = false;
-    let count = parts::<S>().len();
-    let bearing = vectors_mut::<S>(&mut loaded.hinges[BASE..], slopes.len() * count);
-    let mut own = own_registers::<S>(&mut blocks.own, slopes.len() * count);
-    for (number, slopes) in slopes.iter().enumerate() {
+    let groups = slopes.len();
+    let bearing = packs_mut(&mut loaded.hinges[BASE..], groups);
+    let [own_xx, own_yy, own_xy] = own_packs(&mut blocks.own, groups);
+    for number in 0..groups {
+        let slopes = &slopes[number];
         for part in parts::<S>() {
-            let i = number * count + part;
+            let i = number * parts::<S>().len() + part;
             let bears = slopes.force.at(simd, part).greater(zero);
-            bearing[i] = bears.select(one, zero).values();
+            put_part(&mut bearing[number], part, bears.select(one, zero));
             if !bears.any() {
-                for (own, entry) in own.iter_mut().zip([one, one, zero]) {
-                    own[i] = entry.values();
-                }
+                put_part(&mut own_xx[number], part, one);
+                put_part(&mut own_yy[number], part, one);
+                put_part(&mut own_xy[number], part, zero);
                 if FRICTION {
                     arms.put(i, [zero; 2], zero, [zero; 2]);
                 }
@@ -163,14 +166,11 @@ pub(super) fn assemble_compliance<S: Simd, const FRICTION: bool>(
             // n n^T/α + t t^T/η with t = (-ny, nx): along = 1/α, across = 1/η.
             let over = one / (alpha * eta);
             let (along, across) = (eta * over, alpha * over);
-            let entries = [
-                bears.select(along.mul_add(nx * nx, across * (ny * ny)), one),
-                bears.select(along.mul_add(ny * ny, across * (nx * nx)), one),
-                (along - across) * (nx * ny),
-            ];
-            for (own, entry) in own.iter_mut().zip(entries) {
-                own[i] = entry.values();
-            }
+            let xx = along.mul_add(nx * nx, across * (ny * ny));
+            let yy = along.mul_add(ny * ny, across * (nx * nx));
+            put_part(&mut own_xx[number], part, bears.select(xx, one));
+            put_part(&mut own_yy[number], part, bears.select(yy, one));
+            put_part(&mut own_xy[number], part, (along - across) * (nx * ny));
         }
     }
 }

@@ -3,30 +3,27 @@
 use pulp::{Simd, WithSimd};
 
 use super::NewtonMatrix;
+use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
 use crate::chain::model::Model;
-use crate::math::simd::{Entries, EntriesMut, Lanes, Octet, PartialSums, parts, read, write};
+use crate::math::simd::{Lanes, Octet, PartialSums, parts, put_part, read, write};
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
-struct Residual<'a, S: Simd> {
-    /// Residuals x, y and θ of all links.
-    accelerations: [Entries<'a, S>; 3],
+struct Residual<'a> {
     columns: &'a [Border],
     /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
     alone: &'a [f64],
 }
 
-impl<S: Simd> RightHand<S> for Residual<'_, S> {
+impl<S: Simd> RightHand<S> for Residual<'_> {
     #[inline(always)]
-    fn at(&self, simd: S, mass: [Lanes<S>; 3], touches_teeth: bool, i: usize) -> [Lanes<S>; 3] {
-        let mut right = mass;
-        for (right, accelerations) in right.iter_mut().zip(&self.accelerations) {
-            *right = *right * accelerations.at(i);
-        }
-        if touches_teeth {
-            let count = parts::<S>().len();
+    fn at(&self, simd: S, group: &LinkGroup, (number, part): (usize, usize)) -> [Lanes<S>; 3] {
+        let mass = group.mass.at(simd, part);
+        let [x, y, turn] = read(simd, &group.free, part);
+        let mut right = [mass * x, mass * y, group.inertia.at(simd, part) * turn];
+        if group.touches_teeth {
             for (column, &alone) in self.columns.iter().zip(self.alone) {
-                take(simd, &mut right, &column[i / count], alone, i % count);
+                take(simd, &mut right, &column[number], alone, part);
             }
         }
         right
@@ -86,14 +83,10 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
         }
         let swept = swept || !rollers.is_empty();
         let right = Residual {
-            accelerations: [
-                Entries::of(simd, &links[..n]),
-                Entries::of(simd, &links[n..2 * n]),
-                Entries::of(simd, &links[2 * n..]),
-            ],
             columns: &matrix.columns,
             alone: if swept { &matrix.alone } else { &[] },
         };
+        matrix.links.take_residuals(simd, n, links);
         matrix
             .links
             .solve_free::<S, _, FRICTION>(simd, n, &matrix.loaded, &right);
@@ -139,12 +132,16 @@ fn take_border<S: Simd>(simd: S, unknowns: &mut [[Octet; 3]], solved: &[Border],
 #[inline(always)]
 fn put_solution<S: Simd>(simd: S, solution: &[[Octet; 3]], links: &mut [f64]) {
     let n = links.len() / 3;
-    for (axis, links) in links.chunks_exact_mut(n).enumerate() {
-        let mut links = EntriesMut::of(simd, links);
-        for (number, solution) in solution.iter().enumerate() {
+    for axis in 0..3 {
+        let (whole, rest) = links[axis * n..(axis + 1) * n].as_chunks_mut();
+        for (links, solution) in whole.iter_mut().zip(solution) {
             for part in parts::<S>() {
-                let i = number * parts::<S>().len() + part;
-                links.set(i, solution[axis].at(simd, part));
+                put_part(links, part, solution[axis].at(simd, part));
+            }
+        }
+        if let Some(solution) = solution.get(whole.len()) {
+            for (link, &solution) in rest.iter_mut().zip(&solution[axis].0) {
+                *link = solution;
             }
         }
     }

@@ -9,12 +9,12 @@ use pulp::Simd;
 
 use super::contacts::{BASE, LoadedHinges};
 use super::link_group::{Bushings, LinkGroup, LinkRows, Linked};
-use super::ring::{HingeBlocks, coupling_registers, hinge_numbers, own_registers};
+use super::ring::{HingeBlocks, coupling_packs, hinge_numbers, own_packs};
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Lanes, Numbers, Octet, PartialSums, WIDTH, both, load, padded_zeros, parts, read, vectors,
-    vectors_mut, write,
+    Lanes, Numbers, Octet, Pack, PartialSums, WIDTH, packs, packs_mut, padded_zeros, part_of,
+    parts, put_part, read, write,
 };
 
 /// Return whether a bushing of a group of links touches a tooth; rears add the bushing before the group.
@@ -57,6 +57,28 @@ impl LinkTerms {
         }
     }
 
+    /// Write residuals x, y and θ of all links where [`Self::solve_free`] reads them; zero for links of the padding.
+    #[inline(always)]
+    pub(super) fn take_residuals<S: Simd>(&mut self, simd: S, links: usize, residuals: &[f64]) {
+        let count = self.groups.len();
+        let groups = &mut self.groups[..count];
+        for axis in 0..3 {
+            let (whole, rest) = residuals[axis * links..(axis + 1) * links].as_chunks();
+            for (group, residuals) in groups.iter_mut().zip(whole) {
+                for part in parts::<S>() {
+                    group.free[axis].put(part, part_of(simd, residuals, part));
+                }
+            }
+            if let Some(group) = groups.get_mut(whole.len()) {
+                let last = &mut group.free[axis].0;
+                *last = [0.0; WIDTH];
+                for (to, &residual) in last.iter_mut().zip(rest) {
+                    *to = residual;
+                }
+            }
+        }
+    }
+
     /// Return the unknowns of the ring, which initially hold its right-hand sides.
     #[inline(always)]
     pub(super) fn ring_unknowns(&mut self) -> &mut [Numbers; 2] {
@@ -73,37 +95,44 @@ impl LinkTerms {
         of: &Linked,
         ring: &mut HingeBlocks,
     ) {
-        let count = parts::<S>().len();
-        let blocks = self.groups.len() * count;
-        let loaded = vectors::<S>(&of.loaded.hinges[BASE..], blocks);
-        let loaded_before = vectors::<S>(&of.loaded.hinges[BASE - 1..], blocks);
-        let links = LinkRows::<S>::of(of, blocks);
+        let count = self.groups.len();
+        let loaded = packs(&of.loaded.hinges[BASE..], count);
+        let loaded_before = packs(&of.loaded.hinges[BASE - 1..], count);
+        let links = LinkRows::of(of, count);
         {
             let [xx, yy, xy] = &mut self.rear;
-            let mut rear = [xx, yy, xy].map(|axis| vectors_mut::<S>(axis, blocks));
+            let rear = [
+                packs_mut(xx, count),
+                packs_mut(yy, count),
+                packs_mut(xy, count),
+            ];
             let teeth = (
-                &Bushings::<S>::of_three(&of.teeth.tooth_stiffness, blocks),
-                &Bushings::<S>::of_three(&of.teeth.spun, blocks),
+                &Bushings::of_three(&of.teeth.tooth_stiffness, count),
+                &Bushings::of_three(&of.teeth.spun, count),
             );
-            let mut own = own_registers::<S>(&mut ring.own, blocks);
-            let mut couplings = coupling_registers::<S>(&mut ring.before, blocks);
-            let groups = self.groups.iter_mut().zip(&mut self.levers);
-            for (number, (group, levers)) in groups.enumerate() {
+            let own = own_packs(&mut ring.own, count);
+            let couplings = coupling_packs(&mut ring.before, count);
+            let (groups, levers) = (&mut self.groups[..count], &mut self.levers[..count]);
+            for number in 0..count {
+                let (group, levers) = (&mut groups[number], &mut levers[number]);
                 group.touches_teeth = touched(of.teeth, of.links, number);
                 for part in parts::<S>() {
-                    let i = number * count + part;
-                    let ends = links.eliminate::<FRICTION>(simd, teeth, (group, levers), (i, part));
-                    for (rear, entry) in rear.iter_mut().zip(ends.rear) {
-                        rear[i] = entry.values();
+                    let place = (number, part);
+                    let ends = links.eliminate::<S, FRICTION>(simd, teeth, (group, levers), place);
+                    for axis in 0..3 {
+                        put_part(&mut rear[axis][number], part, ends.rear[axis]);
                     }
-                    let loaded = load(simd, &loaded[i]);
+                    let loaded = part_of(simd, &loaded[number], part);
                     // S_k += F D⁻¹ F^T and C_k = -F D⁻¹ R^T; hinges without force stay uncoupled.
-                    for (own, entry) in own.iter_mut().zip(ends.front) {
-                        own[i] = loaded.mul_add(entry, load(simd, &own[i])).values();
+                    for axis in 0..3 {
+                        let own = &mut own[axis][number];
+                        let sum = loaded.mul_add(ends.front[axis], part_of(simd, own, part));
+                        put_part(own, part, sum);
                     }
-                    let both = loaded * load(simd, &loaded_before[i]);
-                    for (coupling, entry) in couplings.iter_mut().zip(ends.between) {
-                        coupling[i] = (both * entry).values();
+                    let both = loaded * part_of(simd, &loaded_before[number], part);
+                    for entry in 0..4 {
+                        let coupling = both * ends.between[entry];
+                        put_part(&mut couplings[entry][number], part, coupling);
                     }
                 }
             }
@@ -117,20 +146,22 @@ impl LinkTerms {
         &mut self,
         simd: S,
         links: usize,
-        loaded: &[S::f64s],
+        loaded: &[Pack],
         ring: &mut HingeBlocks,
     ) {
-        for array in &mut self.rear {
-            array[links] = array[0];
-        }
-        for (own, rear) in own_registers::<S>(&mut ring.own, loaded.len())
-            .into_iter()
-            .zip(&self.rear)
-        {
-            let rear = vectors::<S>(&rear[1..], loaded.len());
-            for ((own, rear), loaded) in own.iter_mut().zip(rear).zip(loaded) {
-                let loaded = load(simd, loaded);
-                *own = loaded.mul_add(load(simd, rear), load(simd, own)).values();
+        let count = loaded.len();
+        for axis in 0..3 {
+            let rear = &mut self.rear[axis];
+            rear[links] = rear[0];
+            let rear = packs(&rear[1..], count);
+            let own = packs_mut(&mut ring.own[axis][BASE..], count);
+            for number in 0..count {
+                for part in parts::<S>() {
+                    let loaded = part_of(simd, &loaded[number], part);
+                    let own = &mut own[number];
+                    let rear = part_of(simd, &rear[number], part);
+                    put_part(own, part, loaded.mul_add(rear, part_of(simd, own, part)));
+                }
             }
         }
     }
@@ -145,56 +176,51 @@ impl LinkTerms {
         loaded: &LoadedHinges,
         right: &R,
     ) {
-        let count = parts::<S>().len();
-        let blocks = self.groups.len() * count;
+        let count = self.groups.len();
+        let (groups, levers) = (&mut self.groups[..count], &self.levers[..count]);
         {
             let [x, y] = &mut self.rear_velocity;
-            let rear = [vectors_mut::<S>(x, blocks), vectors_mut::<S>(y, blocks)];
-            let groups = self.groups.iter_mut().zip(&self.levers);
-            for (number, (group, levers)) in groups.enumerate() {
+            let (rear_x, rear_y) = (packs_mut(x, count), packs_mut(y, count));
+            for number in 0..count {
+                let group = &mut groups[number];
                 for part in parts::<S>() {
-                    let i = number * count + part;
-                    let mass = group.mass.at(simd, part);
-                    let mass = [mass, mass, group.inertia.at(simd, part)];
-                    let right = right.at(simd, mass, group.touches_teeth, i);
+                    let right = right.at(simd, group, (number, part));
                     let free = group.times_inverse(simd, right, part);
                     let [x, y, turn] = free;
                     write(&mut group.free, part, free);
-                    if FRICTION {
-                        let [fx, fy, rx, ry] = read(simd, levers, part);
-                        let front = [fx.mul_add(turn, x), fy.mul_add(turn, y)];
-                        write(&mut group.front_velocity, part, front);
-                        rear[0][i] = rx.mul_add(turn, x).values();
-                        rear[1][i] = ry.mul_add(turn, y).values();
-                        continue;
-                    }
-                    let [u, v] = read(simd, &group.lever, part);
-                    let front = [u.mul_add(turn, x), v.mul_add(turn, y)];
+                    let (front, rear) = if FRICTION {
+                        let [fx, fy, rx, ry] = read(simd, &levers[number], part);
+                        (
+                            [fx.mul_add(turn, x), fy.mul_add(turn, y)],
+                            [rx.mul_add(turn, x), ry.mul_add(turn, y)],
+                        )
+                    } else {
+                        let [u, v] = read(simd, &group.lever, part);
+                        (
+                            [u.mul_add(turn, x), v.mul_add(turn, y)],
+                            [u.negate_mul_add(turn, x), v.negate_mul_add(turn, y)],
+                        )
+                    };
                     write(&mut group.front_velocity, part, front);
-                    rear[0][i] = u.negate_mul_add(turn, x).values();
-                    rear[1][i] = v.negate_mul_add(turn, y).values();
+                    put_part(&mut rear_x[number], part, rear[0]);
+                    put_part(&mut rear_y[number], part, rear[1]);
                 }
             }
         }
-        for array in &mut self.rear_velocity {
-            array[links] = array[0];
-        }
         // Hinge k: F_k w_k - R_(k+1) w_(k+1) with the free velocities; zero for hinges without force.
-        let [x, y] = &self.rear_velocity;
-        let behind = [vectors::<S>(&x[1..], blocks), vectors::<S>(&y[1..], blocks)];
-        let loaded = vectors::<S>(&loaded.hinges[BASE..], blocks);
-        let [x, y] = &mut self.force;
-        let force = [
-            vectors_mut::<S>(&mut x[BASE..], blocks),
-            vectors_mut::<S>(&mut y[BASE..], blocks),
-        ];
-        for (number, group) in self.groups.iter().enumerate() {
-            for part in parts::<S>() {
-                let i = number * count + part;
-                let loaded = load(simd, &loaded[i]);
-                let [x, y] = read(simd, &group.front_velocity, part);
-                force[0][i] = (loaded * (x - load(simd, &behind[0][i]))).values();
-                force[1][i] = (loaded * (y - load(simd, &behind[1][i]))).values();
+        let loaded = packs(&loaded.hinges[BASE..], count);
+        for axis in 0..2 {
+            let rear = &mut self.rear_velocity[axis];
+            rear[links] = rear[0];
+            let behind = packs(&rear[1..], count);
+            let force = packs_mut(&mut self.force[axis][BASE..], count);
+            for number in 0..count {
+                for part in parts::<S>() {
+                    let front = groups[number].front_velocity[axis].at(simd, part);
+                    let closing = front - part_of(simd, &behind[number], part);
+                    let loaded = part_of(simd, &loaded[number], part);
+                    put_part(&mut force[number], part, loaded * closing);
+                }
             }
         }
     }
@@ -216,23 +242,20 @@ impl LinkTerms {
         rows: &[Border],
         sums: &mut [PartialSums],
     ) {
-        let count = parts::<S>().len();
-        let blocks = self.groups.len() * count;
+        let count = self.groups.len();
         let [x, y] = &self.force;
-        let front = both::<S>(&self.force, BASE, blocks);
-        let rear = [
-            vectors::<S>(&x[BASE - 1..], blocks),
-            vectors::<S>(&y[BASE - 1..], blocks),
-        ];
-        let groups = self.groups.iter().zip(&self.levers);
-        for (number, ((group, levers), unknowns)) in groups.zip(unknowns).enumerate() {
+        let (front_x, front_y) = (packs(&x[BASE..], count), packs(&y[BASE..], count));
+        let (rear_x, rear_y) = (packs(&x[BASE - 1..], count), packs(&y[BASE - 1..], count));
+        let (groups, levers) = (&self.groups[..count], &self.levers[..count]);
+        let unknowns = &mut unknowns[..count];
+        for number in 0..count {
+            let group = &groups[number];
             for part in parts::<S>() {
-                let i = number * count + part;
-                let at = |array: &[S::f64s]| load(simd, &array[i]);
-                let (front, rear) = ([at(front[0]), at(front[1])], [at(rear[0]), at(rear[1])]);
+                let at = |array: &[Pack]| part_of(simd, &array[number], part);
+                let (front, rear) = ([at(front_x), at(front_y)], [at(rear_x), at(rear_y)]);
                 // w = w_free - D⁻¹ (F^T f_i - R^T f_(i-1)).
                 let turn = if FRICTION {
-                    let [fx, fy, rx, ry] = read(simd, levers, part);
+                    let [fx, fy, rx, ry] = read(simd, &levers[number], part);
                     let of_front = fx.mul_add(front[0], fy * front[1]);
                     of_front - rx.mul_add(rear[0], ry * rear[1])
                 } else {
@@ -243,12 +266,13 @@ impl LinkTerms {
                 let taken = group.times_inverse(simd, taken, part);
                 let free = read(simd, &group.free, part);
                 let bound = [free[0] - taken[0], free[1] - taken[1], free[2] - taken[2]];
-                write(unknowns, part, bound);
+                write(&mut unknowns[number], part, bound);
                 if group.touches_teeth {
                     for (row, sum) in rows.iter().zip(&mut *sums) {
                         let [x, y, turn] = read(simd, &row[number], part);
                         let turn = turn * bound[2];
-                        sum.add(i, x.mul_add(bound[0], y.mul_add(bound[1], turn)));
+                        let product = x.mul_add(bound[0], y.mul_add(bound[1], turn));
+                        sum.add_part(part, product);
                     }
                 }
             }
@@ -263,29 +287,22 @@ impl LinkTerms {
         unknowns: &[[Octet; 3]],
         ends: &mut [Numbers; 5],
     ) {
-        let count = parts::<S>().len();
-        let blocks = self.groups.len() * count;
+        let count = self.groups.len();
         let [front_x, front_y, rear_x, rear_y, spin] = ends;
-        let (front_x, front_y) = (
-            vectors_mut::<S>(front_x, blocks),
-            vectors_mut::<S>(front_y, blocks),
-        );
-        let (rear_x, rear_y) = (
-            vectors_mut::<S>(rear_x, blocks),
-            vectors_mut::<S>(rear_y, blocks),
-        );
-        let spin = vectors_mut::<S>(spin, blocks);
-        for (number, (group, unknowns)) in self.groups.iter().zip(unknowns).enumerate() {
+        let (front_x, front_y) = (packs_mut(front_x, count), packs_mut(front_y, count));
+        let (rear_x, rear_y) = (packs_mut(rear_x, count), packs_mut(rear_y, count));
+        let spin = packs_mut(spin, count);
+        let (groups, unknowns) = (&self.groups[..count], &unknowns[..count]);
+        for number in 0..count {
             for part in parts::<S>() {
-                let i = number * count + part;
-                let [x, y, turn] = read(simd, unknowns, part);
-                let [u, v] = read(simd, &group.lever, part);
-                front_x[i] = u.mul_add(turn, x).values();
-                front_y[i] = v.mul_add(turn, y).values();
-                rear_x[i] = u.negate_mul_add(turn, x).values();
-                rear_y[i] = v.negate_mul_add(turn, y).values();
+                let [x, y, turn] = read(simd, &unknowns[number], part);
+                let [u, v] = read(simd, &groups[number].lever, part);
+                put_part(&mut front_x[number], part, u.mul_add(turn, x));
+                put_part(&mut front_y[number], part, v.mul_add(turn, y));
+                put_part(&mut rear_x[number], part, u.negate_mul_add(turn, x));
+                put_part(&mut rear_y[number], part, v.negate_mul_add(turn, y));
                 if FRICTION {
-                    spin[i] = turn.values();
+                    put_part(&mut spin[number], part, turn);
                 }
             }
         }
@@ -299,20 +316,22 @@ impl LinkTerms {
         from: &[Numbers; 3],
         column: &mut [[Octet; 3]],
     ) {
-        let from = Bushings::<S>::of_three(from, self.groups.len() * parts::<S>().len());
-        for (number, (group, column)) in self.groups.iter().zip(column).enumerate() {
+        let count = self.groups.len();
+        let from = Bushings::of_three(from, count);
+        let (groups, column) = (&self.groups[..count], &mut column[..count]);
+        for number in 0..count {
+            let (group, column) = (&groups[number], &mut column[number]);
             if !group.touches_teeth {
                 *column = [Octet::default(); 3];
                 continue;
             }
             for part in parts::<S>() {
-                let i = number * parts::<S>().len() + part;
                 let [u, v] = read(simd, &group.lever, part);
-                let [front_x, rear_x] = group.of_ends(simd, &from[0], i, part);
-                let [front_y, rear_y] = group.of_ends(simd, &from[1], i, part);
+                let [front_x, rear_x] = group.of_ends(simd, &from[0], number, part);
+                let [front_y, rear_y] = group.of_ends(simd, &from[1], number, part);
                 let mut turn = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
                 if FRICTION {
-                    let [front, rear] = group.of_ends(simd, &from[2], i, part);
+                    let [front, rear] = group.of_ends(simd, &from[2], number, part);
                     turn = turn + (front + rear);
                 }
                 write(column, part, [front_x + rear_x, front_y + rear_y, turn]);
@@ -323,8 +342,8 @@ impl LinkTerms {
 
 /// Right-hand sides of the links.
 pub(super) trait RightHand<S: Simd> {
-    /// Return those of vector `i` of links with masses and inertias `mass`; `touches_teeth`: whether one of their bushings touches a tooth.
-    fn at(&self, simd: S, mass: [Lanes<S>; 3], touches_teeth: bool, i: usize) -> [Lanes<S>; 3];
+    /// Return those of vector `part` of pack `number` of links, `group`.
+    fn at(&self, simd: S, group: &LinkGroup, place: (usize, usize)) -> [Lanes<S>; 3];
 }
 
 /// Row or column of the border: x, y and θ of the links.

@@ -7,6 +7,7 @@
 //! coordinates of the sprockets. The work is proportional to the number of links. No memory is allocated after construction.
 
 #![allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
+#![allow(clippy::needless_range_loop)] // several arrays of packs have one index, whose bound is checked once for all
 
 mod blocks;
 mod border;
@@ -32,7 +33,7 @@ use border::{Corner, SprocketMotions};
 use contacts::{FrictionArms, LoadedHinges, assemble_compliance};
 use correct::Correct;
 use film::assemble_film_compliance;
-use link_group::Linked;
+use link_group::{LinkGroup, Linked};
 use links::{Border, LinkTerms, RightHand};
 use power_change::{CorrectedEnds, PowerChange};
 use ring::{HingeBlocks, Ring};
@@ -45,7 +46,7 @@ use super::rhs::slopes::Slopes;
 use crate::chain::contact::Candidates;
 use crate::chain::dynamics::SprocketLoad;
 use crate::chain::model::Model;
-use crate::math::simd::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, parts, read};
+use crate::math::simd::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, read};
 
 /// Upper bound of the share of a diagonal border entry that teeth contribute. Below this bound one block Gauss-Seidel sweep
 /// replaces the elimination of the border. The relative error of a correction is then below this share.
@@ -200,7 +201,7 @@ impl NewtonMatrix {
         evaluated: &Evaluated,
         gamma: f64,
     ) {
-        self.teeth.clear::<FRICTION>();
+        self.teeth.clear::<S, FRICTION>(simd);
         let supports = (evaluated.poses, evaluated.pawls);
         self.corner.start(model, supports, gamma);
         for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
@@ -227,8 +228,9 @@ impl NewtonMatrix {
                 }
             }
         }
+        let overhang = evaluated.candidates.overhang;
         self.teeth
-            .fold_overhang::<FRICTION>(model.links, evaluated.candidates.overhang);
+            .fold_overhang::<S, FRICTION>(simd, model.links, overhang);
         if let Some(rollers) = &mut self.rollers {
             let bores = &self.slopes.rollers;
             let (teeth, corner) = (&mut self.teeth, &mut self.corner);
@@ -287,9 +289,8 @@ struct Column<'a>(&'a Border);
 
 impl<S: Simd> RightHand<S> for Column<'_> {
     #[inline(always)]
-    fn at(&self, simd: S, _mass: [Lanes<S>; 3], _held: bool, i: usize) -> [Lanes<S>; 3] {
-        let count = parts::<S>().len();
-        read(simd, &self.0[i / count], i % count)
+    fn at(&self, simd: S, _group: &LinkGroup, (number, part): (usize, usize)) -> [Lanes<S>; 3] {
+        read(simd, &self.0[number], part)
     }
 }
 

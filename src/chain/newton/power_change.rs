@@ -12,11 +12,11 @@ use crate::chain::contact::SprocketCandidates;
 use crate::chain::dynamics::SprocketLoad;
 use crate::chain::rhs::layout::{ChainArrays, LinkConstants};
 use crate::chain::rhs::pose::SprocketPose;
-use crate::chain::rhs::slopes::{SlopeGroup, group_at};
+use crate::chain::rhs::slopes::SlopeGroup;
 use crate::geometry::Vec2;
 use crate::math::simd::{
-    Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, splat_two, vectors,
-    vectors_mut,
+    Lanes, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded, padded_zeros, part_of,
+    parts, put_part, read, splat_two,
 };
 
 /// Corrections of the velocities of the links' ends and of the bushings, for scratch.
@@ -125,26 +125,35 @@ fn hinges<S: Simd>(
     ends: &mut CorrectedEnds,
 ) -> f64 {
     let (gamma, zero) = (Lanes::splat(simd, gamma), Lanes::splat(simd, 0.0));
-    let blocks = slopes.len() * WIDTH / S::F64_LANES;
+    let count = slopes.len();
     let [front_x, front_y, rear_x, rear_y, _] = &ends.links;
-    let front = [front_x, front_y].map(|front| vectors::<S>(front, blocks));
+    let (front_x, front_y) = (packs(front_x, count), packs(front_y, count));
     // Hinge k joins the front of link k to the rear of link k + 1.
-    let rear = [rear_x, rear_y].map(|rear| vectors::<S>(&rear[1..], blocks));
-    let on_front = vectors::<S>(on_front, blocks);
+    let (rear_x, rear_y) = (packs(&rear_x[1..], count), packs(&rear_y[1..], count));
+    let on_front = packs(on_front, count);
     let [bushing_x, bushing_y] = &mut ends.bushings;
-    let bushing_x = vectors_mut::<S>(bushing_x, blocks);
-    let bushing_y = vectors_mut::<S>(bushing_y, blocks);
+    let (bushing_x, bushing_y) = (packs_mut(bushing_x, count), packs_mut(bushing_y, count));
     let mut power = PartialSums::default();
-    for i in 0..blocks {
-        let front = front.map(|front| load(simd, &front[i]));
-        let rear = rear.map(|rear| load(simd, &rear[i]));
-        let of_front = load(simd, &on_front[i]).greater(zero);
-        bushing_x[i] = of_front.select(front[0], rear[0]).values();
-        bushing_y[i] = of_front.select(front[1], rear[1]).values();
-        let (group, part) = group_at::<S, _>(slopes, i);
-        let [nx, ny] = read(simd, &group.normal, part);
-        let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
-        power.add(i, power_by(simd, (group, part), gamma, closing));
+    for number in 0..count {
+        let group = &slopes[number];
+        for part in parts::<S>() {
+            let at = |array: &[Pack]| part_of(simd, &array[number], part);
+            let (front, rear) = ([at(front_x), at(front_y)], [at(rear_x), at(rear_y)]);
+            let of_front = at(on_front).greater(zero);
+            put_part(
+                &mut bushing_x[number],
+                part,
+                of_front.select(front[0], rear[0]),
+            );
+            put_part(
+                &mut bushing_y[number],
+                part,
+                of_front.select(front[1], rear[1]),
+            );
+            let [nx, ny] = read(simd, &group.normal, part);
+            let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
+            power.add_part(part, power_by(simd, (group, part), gamma, closing));
+        }
     }
     power.total()
 }
@@ -186,28 +195,44 @@ impl Teeth<'_> {
         let center = splat_two(simd, self.pose.center);
         let mut sums = [PartialSums::default(); 4];
         for run in &self.candidates.runs {
-            let blocks = run.length.div_ceil(S::F64_LANES);
-            let [x, y] = both::<S>(self.bushing, run.first, blocks);
-            let [vx, vy] = both::<S>(self.correction, run.first, blocks);
-            let slopes = &self.slopes[run.slot / WIDTH..];
-            for b in 0..blocks {
-                let (group, part) = group_at::<S, _>(slopes, b);
-                if !group.force.at(simd, part).exceeds(zero).any() {
-                    continue;
+            let vectors = run.length.div_ceil(S::F64_LANES);
+            let groups = run.length.div_ceil(WIDTH);
+            let ([x, y], [vx, vy]) = (self.bushing, self.correction);
+            let (x, y) = (
+                packs(&x[run.first..], groups),
+                packs(&y[run.first..], groups),
+            );
+            let (vx, vy) = (
+                packs(&vx[run.first..], groups),
+                packs(&vy[run.first..], groups),
+            );
+            let slopes = &self.slopes[run.slot / WIDTH..][..groups];
+            for number in 0..groups {
+                let group = &slopes[number];
+                for part in parts::<S>() {
+                    // Slopes behind the last vector of the run are not written.
+                    if number * parts::<S>().len() + part >= vectors {
+                        break;
+                    }
+                    if !group.force.at(simd, part).exceeds(zero).any() {
+                        continue;
+                    }
+                    let at = |array: &[Pack]| part_of(simd, &array[number], part);
+                    let (x, y) = (at(x) - center[0], at(y) - center[1]);
+                    let vx = splat(of_spin).mul_add(y, at(vx) - splat(of_x));
+                    let vy = splat(of_spin).negate_mul_add(x, at(vy) - splat(of_y));
+                    let [nx, ny] = read(simd, &group.normal, part);
+                    let closing = nx.mul_add(vx, ny * vy);
+                    let stiffness = group.stiffness.at(simd, part);
+                    let push = gamma.mul_add(stiffness, group.damping.at(simd, part)) * closing;
+                    sums[0].add_part(part, power_by(simd, (group, part), gamma, closing));
+                    sums[1].add_part(part, push * nx);
+                    sums[2].add_part(part, push * ny);
+                    sums[3].add_part(part, push * x.mul_add(ny, -(y * nx)));
                 }
-                let (x, y) = (load(simd, &x[b]) - center[0], load(simd, &y[b]) - center[1]);
-                let vx = splat(of_spin).mul_add(y, load(simd, &vx[b]) - splat(of_x));
-                let vy = splat(of_spin).negate_mul_add(x, load(simd, &vy[b]) - splat(of_y));
-                let [nx, ny] = read(simd, &group.normal, part);
-                let closing = nx.mul_add(vx, ny * vy);
-                let stiffness = group.stiffness.at(simd, part);
-                let push = gamma.mul_add(stiffness, group.damping.at(simd, part)) * closing;
-                sums[0].add(b, power_by(simd, (group, part), gamma, closing));
-                sums[1].add(b, push * nx);
-                sums[2].add(b, push * ny);
-                sums[3].add(b, push * x.mul_add(ny, -(y * nx)));
             }
         }
-        sums.map(|sum| sum.total())
+        let [power, x, y, moment] = sums;
+        [power.total(), x.total(), y.total(), moment.total()]
     }
 }

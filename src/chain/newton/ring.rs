@@ -14,8 +14,8 @@ use super::blocks::{Block, Symmetric, all, from_left, from_right};
 use super::contacts::BASE;
 use super::dense::Dense;
 use crate::math::simd::{
-    Lanes, Mask, Numbers, Octet, WIDTH, lane_numbers, load, padded_zeros, parts, transposed,
-    vectors, vectors_mut, write,
+    Lanes, Mask, Numbers, Octet, Pack, WIDTH, lane_numbers, load, packs_mut, padded_zeros, parts,
+    transposed, vectors, write,
 };
 
 /// Blocks of all hinges, hinge k at [`BASE`] + k. Entries behind the last one may be read; their values are not used.
@@ -37,30 +37,27 @@ impl HingeBlocks {
     }
 }
 
-/// Return the first `count` vectors of S.
+/// Return the first `count` packs of S.
 #[inline(always)]
-pub(super) fn own_registers<S: Simd>(
-    [xx, yy, xy]: &mut [Numbers; 3],
-    count: usize,
-) -> [&mut [S::f64s]; 3] {
+pub(super) fn own_packs([xx, yy, xy]: &mut [Numbers; 3], count: usize) -> [&mut [Pack]; 3] {
     [
-        vectors_mut::<S>(&mut xx[BASE..], count),
-        vectors_mut::<S>(&mut yy[BASE..], count),
-        vectors_mut::<S>(&mut xy[BASE..], count),
+        packs_mut(&mut xx[BASE..], count),
+        packs_mut(&mut yy[BASE..], count),
+        packs_mut(&mut xy[BASE..], count),
     ]
 }
 
-/// Return the first `count` vectors of C.
+/// Return the first `count` packs of C.
 #[inline(always)]
-pub(super) fn coupling_registers<S: Simd>(
+pub(super) fn coupling_packs(
     [xx, xy, yx, yy]: &mut [Numbers; 4],
     count: usize,
-) -> [&mut [S::f64s]; 4] {
+) -> [&mut [Pack]; 4] {
     [
-        vectors_mut::<S>(&mut xx[BASE..], count),
-        vectors_mut::<S>(&mut xy[BASE..], count),
-        vectors_mut::<S>(&mut yx[BASE..], count),
-        vectors_mut::<S>(&mut yy[BASE..], count),
+        packs_mut(&mut xx[BASE..], count),
+        packs_mut(&mut xy[BASE..], count),
+        packs_mut(&mut yx[BASE..], count),
+        packs_mut(&mut yy[BASE..], count),
     ]
 }
 
@@ -136,21 +133,23 @@ impl Ring {
         }
     }
 
-    /// Return the number of vectors that the places of one part take.
+    /// Return whether a single place is left behind those that fill vectors: its numbers are copied one by one.
     #[inline(always)]
-    fn registers<S: Simd>(&self) -> usize {
-        self.count.div_ceil(S::F64_LANES)
+    fn has_single_place<S: Simd>(&self) -> bool {
+        S::F64_LANES > 1 && self.count % S::F64_LANES == 1
     }
 
-    /// Return the entries of an array from the first place of each part on, for the parts in vector `part`.
+    /// Return the first places of the vectors of one part, without a single place behind them.
     #[inline(always)]
-    fn rows<'a, S: Simd>(&self, from: &'a [f64], part: usize) -> [&'a [S::f64s]; WIDTH] {
-        let mut rows: [&[S::f64s]; WIDTH] = [&[]; WIDTH];
-        let starts = &self.starts[part * S::F64_LANES..(part + 1) * S::F64_LANES];
-        for (row, &start) in rows.iter_mut().zip(starts) {
-            *row = vectors::<S>(&from[start..], self.registers::<S>());
-        }
-        rows
+    fn vector_places<S: Simd>(&self) -> impl Iterator<Item = usize> + use<S> {
+        let places = self.count - usize::from(self.has_single_place::<S>());
+        (0..places.div_ceil(S::F64_LANES)).map(|number| number * S::F64_LANES)
+    }
+
+    /// Return the entry of the first place of each part in vector `part`, as many as a vector has lanes.
+    #[inline(always)]
+    fn starts_of<S: Simd>(&self, part: usize) -> &[usize] {
+        &self.starts[part * S::F64_LANES..(part + 1) * S::F64_LANES]
     }
 
     /// Return the mask of the parts in vector `part` with all places occupied.
@@ -163,25 +162,34 @@ impl Ring {
     /// Copy the blocks and transpose them: from consecutive hinges in a vector to one hinge of each part.
     #[inline(always)]
     fn gather_blocks<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
-        let count = self.registers::<S>();
         for part in parts::<S>() {
-            for (entry, from) in blocks.own.iter().enumerate() {
-                let rows = self.rows::<S>(from, part);
-                let places = self.places.chunks_exact_mut(S::F64_LANES).take(count);
-                for (number, places) in places.enumerate() {
-                    let columns = gather(simd, &rows, number);
-                    for (place, column) in places.iter_mut().zip(columns) {
-                        place.own[entry].put(part, column);
+            let mut starts = [0; WIDTH];
+            starts[..S::F64_LANES].copy_from_slice(self.starts_of::<S>(part));
+            for first in self.vector_places::<S>() {
+                let places = &mut self.places[first..first + S::F64_LANES];
+                for entry in 0..3 {
+                    let columns = gather(simd, &blocks.own[entry][first..], &starts);
+                    for lane in 0..S::F64_LANES {
+                        places[lane].own[entry].put(part, columns[lane]);
+                    }
+                }
+                for entry in 0..4 {
+                    let columns = gather(simd, &blocks.before[entry][first..], &starts);
+                    for lane in 0..S::F64_LANES {
+                        places[lane].before[entry].put(part, columns[lane]);
                     }
                 }
             }
-            for (entry, from) in blocks.before.iter().enumerate() {
-                let rows = self.rows::<S>(from, part);
-                let places = self.places.chunks_exact_mut(S::F64_LANES).take(count);
-                for (number, places) in places.enumerate() {
-                    let columns = gather(simd, &rows, number);
-                    for (place, column) in places.iter_mut().zip(columns) {
-                        place.before[entry].put(part, column);
+            if self.has_single_place::<S>() {
+                let last = self.count - 1;
+                let place = &mut self.places[last];
+                for lane in 0..S::F64_LANES {
+                    let (to, from) = (part * S::F64_LANES + lane, starts[lane] + last);
+                    for entry in 0..3 {
+                        place.own[entry].0[to] = blocks.own[entry][from];
+                    }
+                    for entry in 0..4 {
+                        place.before[entry].0[to] = blocks.before[entry][from];
                     }
                 }
             }
@@ -342,12 +350,13 @@ impl<S: Simd> Left<S> {
     }
 }
 
-/// Return vector `number` of each row, transposed: one column per place, as many as a vector has lanes.
+/// Return the vectors of an array from these entries on, transposed: one column per place, as many as a vector has lanes.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, rows: &[&[S::f64s]; WIDTH], number: usize) -> [Lanes<S>; WIDTH] {
+fn gather<S: Simd>(simd: S, from: &[f64], starts: &[usize; WIDTH]) -> [Lanes<S>; WIDTH] {
     let mut lanes = [Lanes::splat(simd, 0.0); WIDTH];
-    for (lanes, row) in lanes.iter_mut().zip(rows).take(S::F64_LANES) {
-        *lanes = load(simd, &row[number]);
+    for lane in 0..S::F64_LANES {
+        let row = &from[starts[lane]..starts[lane] + S::F64_LANES];
+        lanes[lane] = load(simd, &vectors::<S>(row, 1)[0]);
     }
     transposed(simd, lanes)
 }

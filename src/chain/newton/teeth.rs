@@ -9,7 +9,8 @@ use crate::chain::contact::SprocketCandidates;
 use crate::chain::rhs::pose::SprocketPose;
 use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
 use crate::math::simd::{
-    Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, vectors_mut,
+    Lanes, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded, padded_zeros, part_of,
+    parts, put_part, read,
 };
 
 /// Terms of the teeth, bushing by bushing: change of the force per change of the bushing's velocity, and per change of each
@@ -27,6 +28,23 @@ pub(super) struct ToothTerms {
     touched: Vec<bool>,
 }
 
+/// Run `$each` for every array of terms; for those of moments only with `$friction`. (An iterator over all arrays is not inlined.)
+macro_rules! each_array {
+    ($terms:expr, $friction:expr, |$array:ident| $each:block) => {
+        for $array in &mut $terms.tooth_stiffness $each
+        for [x, y, moment] in &mut $terms.column {
+            for $array in [x, y] $each
+            if $friction {
+                let $array = moment;
+                $each
+            }
+        }
+        if $friction {
+            for $array in &mut $terms.spun $each
+        }
+    };
+}
+
 impl ToothTerms {
     /// Allocate the terms of `links` bushings and `border` coordinates.
     pub(super) fn new(links: usize, border: usize) -> Self {
@@ -40,29 +58,18 @@ impl ToothTerms {
         }
     }
 
-    /// Return all arrays; those of moments only with friction.
+    /// Set all terms to zero.
     #[inline(always)]
-    fn arrays<const FRICTION: bool>(&mut self) -> impl Iterator<Item = &mut Numbers> {
-        let (of_column, spun) = if FRICTION { (3, 3) } else { (2, 0) };
-        let columns = self.column.iter_mut();
-        let pulls = columns.flat_map(move |arrays| &mut arrays[..of_column]);
-        let stiffness = self.tooth_stiffness.iter_mut();
-        stiffness.chain(pulls).chain(&mut self.spun[..spun])
-    }
-
-    /// Set the marked groups and the copies before the first bushing to zero.
-    #[inline(always)]
-    pub(super) fn clear<const FRICTION: bool>(&mut self) {
-        for group in 0..self.touched.len() {
-            if std::mem::take(&mut self.touched[group]) {
-                for array in self.arrays::<FRICTION>() {
-                    array.as_chunks_mut().0[BASE / WIDTH + group] = [0.0; WIDTH];
+    pub(super) fn clear<S: Simd, const FRICTION: bool>(&mut self, simd: S) {
+        let zero = Lanes::splat(simd, 0.0);
+        each_array!(self, FRICTION, |array| {
+            for pack in array.as_chunks_mut::<WIDTH>().0 {
+                for part in parts::<S>() {
+                    put_part(pack, part, zero);
                 }
             }
-        }
-        for array in self.arrays::<FRICTION>() {
-            array[BASE - 1] = 0.0;
-        }
+        });
+        self.touched.fill(false);
     }
 
     /// Mark the group with bushing `k`.
@@ -74,9 +81,9 @@ impl ToothTerms {
     /// Copy the last one of `links` bushings to the entry before the first.
     #[inline(always)]
     pub(super) fn repeat_last<const FRICTION: bool>(&mut self, links: usize) {
-        for array in self.arrays::<FRICTION>() {
+        each_array!(self, FRICTION, |array| {
             array[BASE - 1] = array[BASE + links - 1];
-        }
+        });
     }
 
     /// Return whether the group with bushing `k` is marked.
@@ -88,7 +95,12 @@ impl ToothTerms {
     /// Add the terms that runs past the last bushing have written behind it to the first bushings. Copy the last bushing to the
     /// entry before the first.
     #[inline(always)]
-    pub(super) fn fold_overhang<const FRICTION: bool>(&mut self, links: usize, overhang: usize) {
+    pub(super) fn fold_overhang<S: Simd, const FRICTION: bool>(
+        &mut self,
+        simd: S,
+        links: usize,
+        overhang: usize,
+    ) {
         let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
         let past = overhang > 0 && self.touched[behind].contains(&true);
         if past {
@@ -97,21 +109,24 @@ impl ToothTerms {
         if !past && !self.touches(links - 1) {
             return;
         }
-        for array in self.arrays::<FRICTION>() {
-            if past {
+        let count = if past { overhang.div_ceil(WIDTH) } else { 0 };
+        let zero = Lanes::splat(simd, 0.0);
+        each_array!(self, FRICTION, |array| {
+            for first in (0..count).map(|number| BASE + number * WIDTH) {
                 // Entries behind the overhang are zero.
-                for first in (BASE..BASE + overhang).step_by(WIDTH) {
-                    let behind = &mut array[first + links..first + links + WIDTH];
-                    let mut past = [0.0; WIDTH];
-                    past.copy_from_slice(behind);
-                    behind.fill(0.0);
-                    for (entry, past) in array[first..first + WIDTH].iter_mut().zip(past) {
-                        *entry += past;
-                    }
+                let behind = &mut packs_mut(&mut array[first + links..], 1)[0];
+                let past = *behind;
+                for part in parts::<S>() {
+                    put_part(behind, part, zero);
+                }
+                let entries = &mut packs_mut(&mut array[first..], 1)[0];
+                for part in parts::<S>() {
+                    let sum = part_of(simd, entries, part) + part_of(simd, &past, part);
+                    put_part(entries, part, sum);
                 }
             }
             array[BASE - 1] = array[BASE + links - 1];
-        }
+        });
     }
 }
 
@@ -137,43 +152,57 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
         let zero = Lanes::splat(simd, 0.0);
         let mut corner = [[PartialSums::default(); MOST]; MOST];
         for run in &self.candidates.runs {
-            let blocks = run.length.div_ceil(S::F64_LANES);
-            let [x, y] = both::<S>(self.bushing, run.first, blocks);
+            let vectors = run.length.div_ceil(S::F64_LANES);
+            let groups = run.length.div_ceil(WIDTH);
+            let [x, y] = self.bushing;
+            let (x, y) = (
+                packs(&x[run.first..], groups),
+                packs(&y[run.first..], groups),
+            );
             let ToothTerms {
                 tooth_stiffness: [xx, yy, xy],
                 spun,
                 column,
                 touched,
             } = &mut *terms;
-            let mut terms = TermsOfRun::<S> {
-                first: run.first,
-                blocks,
+            let first = BASE + run.first;
+            let mut terms = TermsOfRun {
+                first,
                 tooth_stiffness: [
-                    vectors_mut::<S>(&mut xx[BASE + run.first..], blocks),
-                    vectors_mut::<S>(&mut yy[BASE + run.first..], blocks),
-                    vectors_mut::<S>(&mut xy[BASE + run.first..], blocks),
+                    packs_mut(&mut xx[first..], groups),
+                    packs_mut(&mut yy[first..], groups),
+                    packs_mut(&mut xy[first..], groups),
                 ],
                 spun,
                 columns: &mut column[self.first..],
             };
-            let slopes = &self.slopes.normal[run.slot / WIDTH..];
+            let slopes = &self.slopes.normal[run.slot / WIDTH..][..groups];
             let friction = &self.slopes.friction[if FRICTION { run.slot / WIDTH } else { 0 }..];
-            for (b, (x, y)) in x.iter().zip(y).enumerate() {
-                let number = b * S::F64_LANES / WIDTH;
-                let (slopes, part) = (&slopes[number], b % (WIDTH / S::F64_LANES));
-                let force = slopes.force.at(simd, part);
-                if !force.exceeds(zero).any() {
-                    continue;
+            for number in 0..groups {
+                let slopes = &slopes[number];
+                for part in parts::<S>() {
+                    // Slopes behind the last vector of the run are not written.
+                    if number * parts::<S>().len() + part >= vectors {
+                        break;
+                    }
+                    let force = slopes.force.at(simd, part);
+                    if !force.exceeds(zero).any() {
+                        continue;
+                    }
+                    let center = [
+                        part_of(simd, &x[number], part),
+                        part_of(simd, &y[number], part),
+                    ];
+                    let friction = FRICTION.then(|| friction[number].slope.at(simd, part));
+                    let tooth = self.tooth(center, force, (slopes, part), friction);
+                    let group = run.first + number * WIDTH;
+                    // A run may begin within a group: its vectors then reach into the next one.
+                    touched[group / WIDTH] = true;
+                    touched[group.div_ceil(WIDTH)] = true;
+                    terms.hold::<S, FRICTION>((number, part), &tooth);
+                    let place = (number, part);
+                    terms.couple::<S, FRICTION>(place, &tooth, self.motions, &mut corner);
                 }
-                let center = [load(simd, x), load(simd, y)];
-                let friction = FRICTION.then(|| friction[number].slope.at(simd, part));
-                let tooth = self.tooth(center, force, (slopes, part), friction);
-                let group = run.first + number * WIDTH;
-                // A run may begin within a group: its vectors then reach into the next one.
-                touched[group / WIDTH] = true;
-                touched[group.div_ceil(WIDTH)] = true;
-                terms.hold::<FRICTION>(b, &tooth);
-                terms.couple::<FRICTION>(b, &tooth, self.motions, &mut corner);
             }
         }
         totals(&corner, self.motions.len())
@@ -211,46 +240,44 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
 }
 
 /// Terms of one run of bushings, for writing.
-struct TermsOfRun<'a, S: Simd> {
-    /// First bushing.
+struct TermsOfRun<'a> {
+    /// Entry of the first bushing.
     first: usize,
-    /// Number of vectors.
-    blocks: usize,
-    tooth_stiffness: [&'a mut [S::f64s]; 3],
+    tooth_stiffness: [&'a mut [Pack]; 3],
     spun: &'a mut [Numbers; 3],
     /// Columns of the sprocket.
     columns: &'a mut [[Numbers; 3]],
 }
 
-impl<S: Simd> TermsOfRun<'_, S> {
-    /// Add the stiffness of vector `b` to the bushings.
+impl TermsOfRun<'_> {
+    /// Add the stiffness of one vector, pack and part, to the bushings.
     #[inline(always)]
-    fn hold<const FRICTION: bool>(&mut self, b: usize, tooth: &Tooth<S>) {
-        let simd = tooth.turn.simd();
-        for (array, entry) in self.tooth_stiffness.iter_mut().zip(tooth.stiff()) {
-            array[b] = (load(simd, &array[b]) + entry).values();
+    fn hold<S: Simd, const FRICTION: bool>(&mut self, place: (usize, usize), tooth: &Tooth<S>) {
+        let stiff = tooth.stiff();
+        for axis in 0..3 {
+            add(self.tooth_stiffness[axis], place, stiff[axis]);
         }
         if FRICTION {
             let ([nx, ny], moment) = (tooth.normal, tooth.radius * tooth.tau);
             let entries = [-(moment * ny), moment * nx, moment * tooth.radius];
             for (array, entry) in self.spun.iter_mut().zip(entries) {
-                add(&mut array[BASE + self.first..], self.blocks, b, entry);
+                add(array[self.first..].as_chunks_mut().0, place, entry);
             }
         }
     }
 
-    /// Add vector `b` to the columns of the sprocket's coordinates and to their entries among themselves.
+    /// Add one vector, pack and part, to the columns of the sprocket's coordinates and to their entries among themselves.
     #[inline(always)]
-    fn couple<const FRICTION: bool>(
+    fn couple<S: Simd, const FRICTION: bool>(
         &mut self,
-        b: usize,
+        place: (usize, usize),
         tooth: &Tooth<S>,
         motions: &[BorderMotion],
         corner: &mut [[PartialSums; MOST]; MOST],
     ) {
         let ([nx, ny], tau) = (tooth.normal, tooth.tau);
         let moved = tooth.all_moved(motions);
-        for (j, &motion) in motions.iter().enumerate() {
+        for (j, &motion) in motions.iter().enumerate().take(MOST) {
             let of = moved[j];
             // Column j: α n ∂δ/∂s_j + t (γ² f ∂φ/∂s_j + τ ∂x_t/∂s_j), with the penetration δ, the angle φ of the normal and
             // the sliding distance x_t.
@@ -263,13 +290,18 @@ impl<S: Simd> TermsOfRun<'_, S> {
                 ny.mul_add(push, nx * across),
             ];
             if FRICTION {
-                let array = &mut self.columns[j][2][BASE + self.first..];
-                add(array, self.blocks, b, tooth.radius * tau * of.slides);
+                let array = &mut self.columns[j][2][self.first..];
+                add(
+                    array.as_chunks_mut().0,
+                    place,
+                    tooth.radius * tau * of.slides,
+                );
             }
-            for (array, entry) in self.columns[j][..2].iter_mut().zip(pull) {
-                add(&mut array[BASE + self.first..], self.blocks, b, entry);
-            }
-            for (i, by) in moved.iter().enumerate().take(j + 1) {
+            let [x, y, _] = &mut self.columns[j];
+            add(x[self.first..].as_chunks_mut().0, place, pull[0]);
+            add(y[self.first..].as_chunks_mut().0, place, pull[1]);
+            for i in 0..=j.min(MOST - 1) {
+                let by = moved[i];
                 // Entry (i, j): α ∂δ/∂s_i ∂δ/∂s_j + γ² f ∂²δ/(∂s_i ∂s_j) + τ ∂x_t/∂s_i ∂x_t/∂s_j.
                 let second = match motion {
                     BorderMotion::Along(_) => of.across * by.turns,
@@ -279,7 +311,7 @@ impl<S: Simd> TermsOfRun<'_, S> {
                 if FRICTION {
                     entry = (tau * by.slides).mul_add(of.slides, entry);
                 }
-                corner[i][j].add(b, entry);
+                corner[i][j].add_part(place.1, entry);
             }
         }
     }
@@ -289,17 +321,17 @@ impl<S: Simd> TermsOfRun<'_, S> {
 #[inline(always)]
 fn totals(corner: &[[PartialSums; MOST]; MOST], count: usize) -> [[f64; MOST]; MOST] {
     let mut totals = [[0.0; MOST]; MOST];
-    for (i, (row, sums)) in totals.iter_mut().zip(corner).enumerate().take(count) {
-        for (total, sum) in row.iter_mut().zip(sums).take(count).skip(i) {
-            *total = sum.total();
+    for i in 0..count.min(MOST) {
+        for j in i..count.min(MOST) {
+            totals[i][j] = corner[i][j].total();
         }
     }
     totals
 }
 
-/// Add `entry` to vector `b` of the `blocks` of an array.
+/// Add `entry` to one vector of an array, pack and part.
 #[inline(always)]
-fn add<S: Simd>(array: &mut [f64], blocks: usize, b: usize, entry: Lanes<S>) {
-    let place = &mut vectors_mut::<S>(array, blocks)[b];
-    *place = (load(entry.simd(), place) + entry).values();
+fn add<S: Simd>(array: &mut [Pack], (number, part): (usize, usize), entry: Lanes<S>) {
+    let pack = &mut array[number];
+    put_part(pack, part, part_of(entry.simd(), pack, part) + entry);
 }

@@ -12,7 +12,8 @@ use pulp::{Simd, WithSimd};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::force_law::ElasticLaw;
 use crate::math::simd::{
-    Lanes, WIDTH, lane_numbers, load, partial_load, sin_cos, vectors, vectors_mut,
+    Lanes, WIDTH, lane_numbers, load, packs, packs_mut, part_of, partial_load, parts, put_part,
+    sin_cos, vectors, vectors_mut,
 };
 use ends::{Arms, End, Links, behind_last, last_links};
 use hinges::Hinges;
@@ -202,27 +203,38 @@ impl WithSimd for RepeatBushings<'_> {
             bushing_velocity,
             ..
         } = self.arrays;
-        for array in bushing.iter_mut().chain(bushing_velocity) {
-            repeat::<S>(array, n, overhang);
+        let count = overhang.div_ceil(WIDTH);
+        let [x, y] = bushing;
+        let [vx, vy] = bushing_velocity;
+        for array in [x, y, vx, vy] {
+            repeat(simd, array, n, count);
         }
-        for (array, first) in front_force
-            .iter_mut()
-            .map(|array| (array, 0))
-            .chain(rear_force.iter_mut().map(|array| (array, FIRST + 1)))
-        {
-            for from in (0..overhang).step_by(S::F64_LANES) {
-                vectors_mut::<S>(&mut array[first + n + from..], 1)[0] =
-                    Lanes::splat(simd, 0.0).values();
+        let zero = Lanes::splat(simd, 0.0);
+        let [front_x, front_y] = front_force;
+        let [rear_x, rear_y] = rear_force;
+        for (array, first) in [
+            (front_x, 0),
+            (front_y, 0),
+            (rear_x, FIRST + 1),
+            (rear_y, FIRST + 1),
+        ] {
+            for pack in packs_mut(&mut array[first + n..], count) {
+                for part in parts::<S>() {
+                    put_part(pack, part, zero);
+                }
             }
         }
     }
 }
 
-/// Copy the first `overhang` entries behind entry `n`.
+/// Copy the first packs behind entry `n`.
 #[inline(always)]
-fn repeat<S: Simd>(array: &mut [f64], n: usize, overhang: usize) {
-    for from in (0..overhang).step_by(S::F64_LANES) {
-        let values = vectors::<S>(&array[from..], 1)[0];
-        vectors_mut::<S>(&mut array[n + from..], 1)[0] = values;
+fn repeat<S: Simd>(simd: S, array: &mut [f64], n: usize, count: usize) {
+    for number in 0..count {
+        let from = packs(&array[number * WIDTH..], 1)[0];
+        let to = &mut packs_mut(&mut array[n + number * WIDTH..], 1)[0];
+        for part in parts::<S>() {
+            put_part(to, part, part_of(simd, &from, part));
+        }
     }
 }

@@ -3,7 +3,9 @@
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::math::simd::{Lanes, both, load, splat_two, vectors, vectors_mut};
+use crate::math::simd::{
+    Lanes, WIDTH, both, load, packs, packs_mut, part_of, parts, put_part, splat_two, vectors,
+};
 
 /// Kernel of the accelerations of all links. `FRICTION`: with moments about the hinges.
 pub(super) struct AccelerateLinks<'a, const FRICTION: bool> {
@@ -91,10 +93,17 @@ impl<const FRICTION: bool> WithSimd for AccelerateLinks<'_, FRICTION> {
 /// Add the forces that runs of candidates past the last bushing have written behind it to the first links.
 #[inline(always)]
 fn fold_overhang<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overhang: usize) {
-    for from in (first..first + overhang).step_by(S::F64_LANES) {
-        let past = load(simd, &vectors::<S>(&force[n + from..], 1)[0]);
-        let place = &mut vectors_mut::<S>(&mut force[from..], 1)[0];
-        *place = (load(simd, place) + past).values();
+    let force = &mut force[first..];
+    for from in (0..overhang.div_ceil(WIDTH)).map(|number| number * WIDTH) {
+        let past = packs(&force[n + from..], 1)[0];
+        let place = &mut packs_mut(&mut force[from..], 1)[0];
+        for part in parts::<S>() {
+            put_part(
+                place,
+                part,
+                part_of(simd, place, part) + part_of(simd, &past, part),
+            );
+        }
     }
 }
 

@@ -109,13 +109,6 @@ pub(crate) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize
     (&mut groups[i / parts], i % parts)
 }
 
-/// Return the group that contains vector `i` of contacts for reading, and the vector's number in the group.
-#[inline(always)]
-pub(crate) fn group_at<S: Simd, T>(groups: &[T], i: usize) -> (&T, usize) {
-    let parts = WIDTH / S::F64_LANES;
-    (&groups[i / parts], i % parts)
-}
-
 impl SlopeGroup {
     /// Write vector `part`: n, force, slopes with penetration and rate, κ; with `ENERGY` the slopes of the power, too.
     #[inline(always)]

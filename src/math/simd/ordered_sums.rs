@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::{Lanes, WIDTH, load, vectors_mut};
+use super::{Lanes, WIDTH, part_of, put_part};
 
 /// Sum as partial sums, one for each lane of the widest vectors. It is kept in memory, for loops with few additions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -12,9 +12,14 @@ impl PartialSums {
     /// Add vector `block` of an array.
     #[inline(always)]
     pub(crate) fn add<S: Simd>(&mut self, block: usize, values: Lanes<S>) {
-        let parts = WIDTH / S::F64_LANES;
-        let part = &mut vectors_mut::<S>(&mut self.0, parts)[block % parts];
-        *part = (values + load(values.simd(), part)).values();
+        self.add_part(block % (WIDTH / S::F64_LANES), values);
+    }
+
+    /// Add vector `part` of a pack.
+    #[inline(always)]
+    pub(crate) fn add_part<S: Simd>(&mut self, part: usize, values: Lanes<S>) {
+        let sum = part_of(values.simd(), &self.0, part);
+        put_part(&mut self.0, part, values + sum);
     }
 
     /// Return the sum, in the same order for all widths.

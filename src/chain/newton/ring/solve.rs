@@ -30,13 +30,20 @@ impl Ring {
     #[inline(always)]
     fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
         for part in parts::<S>() {
-            let rows = self.rows::<S>(from, part);
-            let count = self.registers::<S>();
-            let places = self.unknowns.chunks_exact_mut(S::F64_LANES).take(count);
-            for (number, places) in places.enumerate() {
-                let columns = gather(simd, &rows, number);
-                for (place, column) in places.iter_mut().zip(columns) {
-                    place[axis].put(part, column);
+            let mut starts = [0; WIDTH];
+            starts[..S::F64_LANES].copy_from_slice(self.starts_of::<S>(part));
+            for first in self.vector_places::<S>() {
+                let columns = gather(simd, &from[first..], &starts);
+                let places = &mut self.unknowns[first..first + S::F64_LANES];
+                for lane in 0..S::F64_LANES {
+                    places[lane][axis].put(part, columns[lane]);
+                }
+            }
+            if self.has_single_place::<S>() {
+                let last = self.count - 1;
+                let place = &mut self.unknowns[last][axis].0;
+                for lane in 0..S::F64_LANES {
+                    place[part * S::F64_LANES + lane] = from[starts[lane] + last];
                 }
             }
             let all = self.have_all(simd, part);
@@ -56,18 +63,26 @@ impl Ring {
         // overwrites the values behind the last place.
         let most = self.count.saturating_sub(lanes);
         for part in parts::<S>() {
-            let starts = &self.starts[part * lanes..(part + 1) * lanes];
-            for place in (0..self.count).step_by(lanes) {
+            let starts = self.starts_of::<S>(part);
+            for place in self.vector_places::<S>() {
                 let place = place.min(most);
                 let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
                 let places = &self.unknowns[place..place + lanes];
-                for (row, place) in rows.iter_mut().zip(places) {
-                    *row = place[axis].at(simd, part);
+                for lane in 0..lanes {
+                    rows[lane] = places[lane][axis].at(simd, part);
                 }
-                for (&start, column) in starts.iter().zip(transposed(simd, rows)) {
-                    let to = &mut to[start + place..start + place + WIDTH];
-                    vectors_mut::<S>(to, WIDTH / lanes)[0] = column.values();
+                let columns = transposed(simd, rows);
+                for lane in 0..lanes {
+                    let first = starts[lane] + place;
+                    let to = &mut to[first..first + lanes];
+                    vectors_mut::<S>(to, 1)[0] = columns[lane].values();
                 }
+            }
+        }
+        if self.has_single_place::<S>() {
+            let last = self.count - 1;
+            for (&start, &value) in self.starts.iter().zip(&self.unknowns[last][axis].0) {
+                to[start + last] = value;
             }
         }
         // Empty first places have overwritten the hinges before them.
