@@ -144,7 +144,7 @@ fn tolerances_below_rounding_name_the_component_and_the_factor() {
     };
     assert!((factor - 4.0).abs() < 1e-12);
     assert_eq!(component, 1);
-    // Looked at again after sixteen steps only.
+    // Checked again after sixteen steps only.
     adams.starting = false;
     adams.counts.steps = 15;
     assert!(adams.check_tolerances(3).is_ok());
