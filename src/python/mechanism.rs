@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use super::arrays::rows;
 use super::core::Core;
-use super::describe::{Reader, friction, number, refuse, signal, table, truth};
+use super::describe::{Reader, friction, number, refuse, shown, signal, table, truth};
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom, take};
 use super::mechanism_contact::contact;
@@ -44,18 +44,25 @@ fn parts<T>(
     let mut found = Vec::new();
     for part in read.get(field)?.try_iter()? {
         let part = part?;
-        found.push(one(&part).map_err(|error| of_part(&part, kind, &error))?);
+        found.push(one(&part).map_err(|error| of_part(&part, kind, error))?);
     }
     Ok(found)
 }
 
-/// Return the error of a part, preceded by the name of the part.
-fn of_part(part: &Bound<'_, PyAny>, kind: &str, error: &PyErr) -> PyErr {
-    let name = part
-        .getattr("name")
-        .and_then(|name| name.repr())
-        .map_or_else(|_| "without a name".to_string(), |name| name.to_string());
-    InvalidInput::new_err(format!("{kind} {name}: {}", error.value(part.py())))
+/// Return the error of a part, preceded by the name of the part; other exceptions stay as they are.
+fn of_part(part: &Bound<'_, PyAny>, kind: &str, error: PyErr) -> PyErr {
+    if !error.is_instance_of::<InvalidInput>(part.py()) {
+        return error;
+    }
+    let named = || {
+        let name = match part.getattr("name") {
+            Ok(name) => shown(&name)?,
+            Err(_) => "without a name".to_string(),
+        };
+        let message = error.value(part.py()).str()?;
+        PyResult::Ok(format!("{kind} {name}: {}", message.to_string_lossy()))
+    };
+    named().map_or_else(|interrupt| interrupt, InvalidInput::new_err)
 }
 
 pub(super) fn text(read: &Reader<'_, '_>, field: &str) -> PyResult<String> {

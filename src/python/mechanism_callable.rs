@@ -71,10 +71,13 @@ fn call(
 
 /// Return an explanatory error for a callable that uses the simulation during its step.
 fn explained(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
-    let borrowed = error.get_type(py).is(py.get_type::<PyRuntimeError>())
-        && error.value(py).to_string().starts_with("Already ");
-    if !borrowed {
+    if !error.get_type(py).is(py.get_type::<PyRuntimeError>()) {
         return error;
+    }
+    match error.value(py).str() {
+        Ok(message) if message.to_string_lossy().starts_with("Already ") => {}
+        Ok(_) => return error,
+        Err(interrupt) => return interrupt,
     }
     let told = InvalidInput::new_err(format!(
         "function of force {name:?}: uses the simulation that calls it, which is within a step: a callable may use its arguments \

@@ -1,5 +1,6 @@
 //! Reader of a description object by field, with the types of its values.
 
+use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString, PyTuple};
 
@@ -294,12 +295,14 @@ fn with_articles(kinds: &[&str]) -> String {
     named.join(" or ")
 }
 
+/// Return the name of an object's class.
+///
+/// Python's `str`, which `Display` calls, looks for signals: a Ctrl-C there would take the name.
 pub(super) fn kind_of(object: &Bound<'_, PyAny>) -> String {
-    object
-        .get_type()
-        .name()
-        .map(|n| n.to_string())
-        .unwrap_or_default()
+    object.get_type().name().map_or_else(
+        |_| String::new(),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }
 
 /// Read a finite number.
@@ -363,12 +366,25 @@ pub(crate) fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyRes
     Err(refuse(field, value, &expected))
 }
 
-/// Return the error of a field with a value of a wrong type.
+/// Return the error of a field with a value of a wrong type, or the interrupt heard meanwhile.
 pub(crate) fn refuse(field: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
-    // The `repr` of a user's object may raise an exception.
-    let shown = value.repr().map_or_else(
-        |_| format!("<{}>", kind_of(value)),
-        |text| text.to_string_lossy().into_owned(),
-    );
-    Error::invalid(field, shown, expected).into()
+    match shown(value) {
+        Ok(shown) => Error::invalid(field, shown, expected).into(),
+        Err(interrupt) => interrupt,
+    }
+}
+
+/// Return the `repr` of a value, or its class where a user's `repr` raises an exception.
+///
+/// # Errors
+///
+/// `KeyboardInterrupt` and other exceptions that no program is to catch.
+pub(crate) fn shown(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    match value.repr() {
+        Ok(text) => Ok(text.to_string_lossy().into_owned()),
+        Err(error) if error.is_instance_of::<PyException>(value.py()) => {
+            Ok(format!("<{}>", kind_of(value)))
+        }
+        Err(interrupt) => Err(interrupt),
+    }
 }

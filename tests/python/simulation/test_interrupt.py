@@ -1,6 +1,8 @@
 """Ctrl-C: a run stops soon, keeps its rows, and can go on; other threads run meanwhile."""
 
+import ctypes
 import errno
+import functools
 import json
 import os
 import random
@@ -16,6 +18,7 @@ import pytest
 
 import rustchain as rc
 from cores import CoreAround, cores_within
+from rustchain import _rustchain
 from rustchain.results import netcdf
 from rustchain.results.stream import Stream
 from rustchain.simulation import simulation as module
@@ -533,6 +536,22 @@ class Studied:
 
 
 # A file that is opened while the signal comes is closed by the garbage collector.
+@pytest.mark.parametrize("teeth", [18, "many"])
+def test_ctrl_c_while_a_description_is_checked_is_no_error_of_the_description(teeth):
+    """Python's `str` and `repr` look for signals: their exceptions are no reason for a refusal."""
+    sprocket = rc.paper_drive().sprockets[0]
+    object.__setattr__(sprocket, "teeth", teeth)
+    calls = [ctypes.pythonapi.PyErr_SetInterrupt, functools.partial(_rustchain.validate, sprocket)]
+    # Without a step of the interpreter, which would hear the signal, between the calls.
+    together = map(functools.partial.__call__, map(functools.partial, calls))
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            list(together)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 @pytest.mark.skipif(not hasattr(signal, "SIGPROF"), reason="no timer of processor time here")
 @pytest.mark.parametrize("operation", [Stepped, Run, Streamed, Started, Files, Swept, Studied])
