@@ -13,7 +13,10 @@ use super::PowerSum;
 use crate::integrator::Step;
 use interpolation::{Interpolation, is_below};
 
-/// Accepted error of a step, over its length and the largest power in it: dissipated, or a share of the external power.
+/// Accepted error of a step, over its length and the largest power in it, or the mean power of all steps if that is larger: dissipated, or a
+/// share of the external power.
+///
+/// With the power of the step alone, many evaluations are made in steps that contribute little (decision 22).
 ///
 /// The difference of the energies from a much finer quadrature is then a tenth of the residual or less on the published drive (decision 22).
 /// 5e-3 in its place: 2 to 21 % fewer evaluations, 0.7 to 1.4 times the error.
@@ -40,6 +43,9 @@ pub struct EnergyQuadrature<P> {
     at_end: P,
     /// Powers at the ends and in the middle of its panels, from start to end \[W\].
     powers: Vec<P>,
+    /// Time \[s\] in which powers were integrated, and the integral of their [`decisive`] part \[J\].
+    metered_time: f64,
+    exchanged: f64,
     /// Evaluations of the right-hand side that the quadrature took.
     evaluations: u64,
     interpolation: Interpolation<P>,
@@ -115,6 +121,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
     ) {
         let length = step.end - step.start;
         let at_start = self.last_power();
+        let mean_power = self.mean_power();
         let mut powers_at = |part: f64| {
             self.evaluations += 1;
             powers_at(part, step.start + part * length)
@@ -124,7 +131,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         let before = (self.start < self.end).then(|| (place(self.start), self.powers[0]));
         let earlier = (self.interpolation.earlier).map(|(t, powers)| (place(t), powers));
         self.interpolation.earlier = before.map(|(_, powers)| (self.start, powers));
-        let scale = decisive(&at_start).max(decisive(&at_end));
+        let scale = decisive(&at_start).max(decisive(&at_end)).max(mean_power);
         let near = interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
         let interpolated = match (earlier, before) {
             (Some(earlier), Some(before)) if smooth && self.fineness == 0 => {
@@ -166,6 +173,17 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.at_start = self.at_end;
         (self.start, self.end) = (step.start, step.end);
         self.at_end += mean.scaled(length);
+        self.metered_time += length;
+        self.exchanged += decisive(&mean) * length;
+    }
+
+    /// Return the mean of the [`decisive`] power in all steps before \[W\].
+    fn mean_power(&self) -> f64 {
+        if self.metered_time > 0.0 {
+            self.exchanged / self.metered_time
+        } else {
+            0.0
+        }
     }
 
     /// Return the number of panels of the last step.
