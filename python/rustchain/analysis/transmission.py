@@ -84,7 +84,7 @@ def angle_error(
     angle = result.array("sprocket_angle")[rows]
     turned = angle[:, driver - 1] - angle[0, driver - 1]
     ratio = mean_ratio(result.drive, driven, driver)
-    error = angle[:, driven - 1] - angle[0, driven - 1] - ratio * turned
+    error = angle[:, driven - 1] - ratio * turned
     error = error - _mean(result.time[rows], error)
     return turned, error, result.drive.check().pitch_radius[driven - 1]
 
@@ -151,9 +151,8 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
 
     turned = np.abs(angle)
     if len(turned) < 8 or not turned[-1] > 0.0:
-        over = turned[-1] if len(turned) else 0.0
         msg = (
-            f"start, end: {len(turned)} rows over {over:.3g} rad: too "
+            f"start, end: {len(turned)} rows over {turned[-1]:.3g} rad: too "
             "few for a spectrum of orders; take a longer part, or a smaller report_step"
         )
         raise InvalidInput(msg)

@@ -69,3 +69,12 @@ def test_the_array_keeps_its_axes_and_has_its_unit_squared():
     assert found.attrs["units"] == "N^2/Hz"
     with pytest.raises(rc.NotRecorded, match="no_such_array"):
         result.spectrum("no_such_array")
+
+
+def test_the_spectrum_of_positions_is_over_time_for_each_body_and_coordinate():
+    result = rc.Simulation(rc.paper_drive(25.0)).run(5e-3, record=("bodies",), progress=False)
+    found = result.spectrum("position")
+    positions = result.array("positions")
+    assert found.shape == (positions.shape[1], 2, len(found["frequency"]))
+    expected = signal.welch(positions[:, 7, 1], 1e4, nperseg=len(result.time), detrend="linear")
+    np.testing.assert_allclose(found.to_numpy()[7, 1], expected[1], rtol=1e-5, atol=1e-25)
