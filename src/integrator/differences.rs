@@ -337,4 +337,33 @@ mod tests {
             .predicted
             .clear()));
     }
+
+    #[test]
+    fn the_corrected_value_is_compensated_and_its_rounding_kept() {
+        let mut table = Differences::new(1);
+        table.restart(&padded_zeros(1), true);
+        let mut y = [0.0];
+        // An increment of 1.25 units in the last place of one: rounded to one of them.
+        let increment = 1.25 * f64::EPSILON;
+        table.correct(0.5, &[1.0], &[2.0 * increment], &mut y);
+        assert_eq!(y, [1.0 + f64::EPSILON]);
+        let compensation = table.compensation.as_mut().unwrap();
+        assert_eq!(compensation.kept[0], -0.25 * f64::EPSILON);
+        // What the prediction lost is subtracted: one unit is left, without rounding.
+        compensation.predicted[0] = 0.25 * f64::EPSILON;
+        table.correct(0.5, &[1.0], &[2.0 * increment], &mut y);
+        assert_eq!(y, [1.0 + f64::EPSILON]);
+        assert_eq!(table.compensation.as_ref().unwrap().kept[0], 0.0);
+    }
+
+    #[test]
+    fn one_pass_predicts_at_orders_one_and_two_without_compensation() {
+        let mut table = Differences::new(1);
+        assert!(table.can_predict_for_newton(1) && table.can_predict_for_newton(2));
+        assert!(!table.can_predict_for_newton(3));
+        table.newest = 3;
+        assert!(!table.can_predict_for_newton(2));
+        table.restart(&padded_zeros(1), true);
+        assert!(!table.can_predict_for_newton(2));
+    }
 }

@@ -201,3 +201,53 @@ impl History {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_component_has_the_largest_change_of_its_derivative_in_units_of_its_tolerance() {
+        let mut history = History::new(3);
+        history.restart(&[1.0, -2.0, 3.0], false);
+        let mut norm = ErrorNorm::new(3);
+        let mut vectors = Vectors::new(3);
+        norm.inverse_weight[..3].copy_from_slice(&[1.0, 10.0, 1.0]);
+        // Changes of 2, 0.5 and 1 are 2, 5 and 1 tolerances; sums with the differences would be 4, 35 and 7.
+        vectors.derivative[..3].copy_from_slice(&[3.0, -1.5, 4.0]);
+        assert_eq!(history.worst_component(&norm, &vectors, 3), 1);
+        norm.inverse_weight[1] = 0.1;
+        assert_eq!(history.worst_component(&norm, &vectors, 3), 0);
+        // Derivatives that are large and do not change are no error.
+        vectors.derivative[..3].copy_from_slice(&[1.0, -2.0, 3.5]);
+        assert_eq!(history.worst_component(&norm, &vectors, 3), 2);
+        // Only controlled components count, and one that is not a number comes first.
+        assert_eq!(history.worst_component(&norm, &vectors, 0), 0);
+        vectors.derivative[1] = f64::NAN;
+        assert_eq!(history.worst_component(&norm, &vectors, 3), 1);
+    }
+
+    #[test]
+    fn the_order_may_rise_after_one_more_equal_step_than_its_number() {
+        let mut history = History::new(1);
+        history.coefficients.equal_steps = 3;
+        assert!(history.may_raise(2, 12));
+        assert!(!history.may_raise(3, 12));
+        assert!(history.may_raise(2, 3));
+        assert!(!history.may_raise(2, 2));
+    }
+
+    #[test]
+    fn indices_beyond_the_highest_order_are_not_like_a_history() {
+        let like = History::new(1);
+        let changed = |order: usize, equal_steps: usize| {
+            let mut history = History::new(1);
+            history.last_order = order;
+            history.coefficients.equal_steps = equal_steps;
+            history.is_like(&like)
+        };
+        assert!(changed(MAX_ORDER, MAX_ORDER + 1));
+        assert!(!changed(MAX_ORDER + 1, 0));
+        assert!(!changed(0, MAX_ORDER + 2));
+    }
+}

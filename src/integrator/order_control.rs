@@ -229,4 +229,38 @@ mod tests {
         assert!((choose_step(0.1, 3, 0.51) - 0.09).abs() < 1e-15);
         assert!((choose_step(0.1, 3, 1e3) - 0.05).abs() < 1e-15);
     }
+
+    #[test]
+    fn estimates_are_products_of_step_size_difference_and_coefficients() {
+        let mut c = Coefficients::new();
+        c.g[..4].copy_from_slice(&[1.0, 0.5, 0.3, 0.2]);
+        c.sigma[..4].copy_from_slice(&[1.0, 0.9, 0.7, 0.4]);
+        let found = ErrorEstimate::new(&c, (3, 0.1), f64::sqrt, [4.0, 9.0, 16.0]);
+        let expected = [
+            0.1 * 2.0 * (0.3 - 0.2),
+            0.1 * 2.0 * 0.4 * gamma_star(3),
+            0.1 * 3.0 * 0.7 * gamma_star(2),
+            0.1 * 4.0 * 0.9 * gamma_star(1),
+        ];
+        let found = [
+            found.local,
+            found.at_order,
+            found.one_below,
+            found.two_below,
+        ];
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
+        }
+        // Orders below one have no estimate.
+        let first = ErrorEstimate::new(&c, (1, 0.1), f64::sqrt, [4.0, 9.0, 16.0]);
+        assert_eq!((first.one_below, first.two_below), (0.0, 0.0));
+        let second = ErrorEstimate::new(&c, (2, 0.1), f64::sqrt, [4.0, 9.0, 16.0]);
+        assert!(second.one_below > 0.0 && second.two_below == 0.0);
+    }
+
+    #[test]
+    fn a_rise_from_order_one_has_to_gain_a_half_of_any_error() {
+        assert_eq!(chosen(1, &estimate(0.0, 0.0, 2.0), true, 0.9), (2, 0.9));
+        assert_eq!(chosen(1, &estimate(0.0, 0.0, 0.5), true, 0.3), (1, 0.5));
+    }
 }

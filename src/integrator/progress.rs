@@ -88,4 +88,20 @@ mod tests {
         );
         assert_eq!(progress.stalled(counts(10, WINDOW), 0.0, 1.0), None);
     }
+
+    #[test]
+    fn a_late_window_is_measured_by_its_own_steps_and_the_rest_of_the_run() {
+        let step = 0.1 * HORIZON / MOST_STEPS;
+        let start = 5.0;
+        let time = start + WINDOW as f64 * step;
+        let late = |target: f64| {
+            let mut progress = Progress::default();
+            assert_eq!(progress.stalled(counts(WINDOW, 0), start, start), None);
+            progress.stalled(counts(2 * WINDOW, 0), time, target)
+        };
+        let mean = late(1e9).unwrap();
+        assert!((mean / step - 1.0).abs() < 1e-6, "{mean}");
+        // A rest that takes fewer steps than the limit.
+        assert_eq!(late(time + 0.05 * HORIZON), None);
+    }
 }
