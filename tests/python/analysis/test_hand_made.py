@@ -117,6 +117,13 @@ def test_eight_rows_of_a_turning_shaft_are_enough_for_orders():
         order_spectrum(np.zeros(8), angle)
 
 
+def test_a_shaft_that_ends_at_its_first_angle_has_no_orders():
+    angle = np.sin(np.linspace(0.0, math.pi, 9))
+    angle[-1] = 0.0
+    with pytest.raises(rc.InvalidInput, match="9 rows over 0 rad: too few"):
+        order_spectrum(angle, angle)
+
+
 def powers(run, time, torque, speed, energies):
     arrays = {f"energy_{name}": values for name, values in energies.items()}
     count = len(time)

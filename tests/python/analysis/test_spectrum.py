@@ -25,6 +25,15 @@ def test_segments_are_those_of_welch(segment, points):
     np.testing.assert_allclose(density, expected[1], rtol=1e-6, atol=1e-15)
 
 
+@pytest.mark.parametrize(("segment", "points"), [(None, 64), (64.0, 32)])
+def test_rows_may_be_seconds_apart(segment, points):
+    _, values = rows(64)
+    frequency, density = welch(2.0 * np.arange(64), values, segment)
+    expected = signal.welch(values, 0.5, nperseg=points, detrend="linear")
+    np.testing.assert_allclose(frequency, expected[0], rtol=1e-12)
+    np.testing.assert_allclose(density, expected[1], rtol=1e-9)
+
+
 def test_other_axes_stay():
     time, values = rows(64, 6)
     _, density = welch(time, values.reshape(2, 3, -1), None)

@@ -321,6 +321,17 @@ def test_the_length_of_a_direction_does_not_count():
     np.testing.assert_allclose(centers[1:], [centers[0]] * 2, rtol=1e-12)
 
 
+def test_without_a_reach_a_centre_moves_by_at_most_a_thousand_pitches():
+    """Each pitch of the move takes two links; 80 close round the first place, 31.5 pitches away."""
+    pair = (PAIR[0], rc.Sprocket(17, (0.4, 0.0)))
+    moved = rc.chain_drive("ANSI 40", pair, links=2078, adjust=2).sprockets[1].center[0]
+    assert 0.4 + 999 * PITCH - 1e-9 < moved < 0.4 + 1000 * PITCH
+    with pytest.raises(rc.InvalidInput, match=r"suits 2082 links: .* to 12700\.000 mm"):
+        rc.chain_drive("ANSI 40", pair, links=2082, adjust=2)
+    farther = rc.chain_drive("ANSI 40", pair, links=2082, adjust=2, reach=1001.5 * PITCH)
+    assert farther.sprockets[1].center[0] == pytest.approx(moved + 2 * PITCH, abs=1e-9)
+
+
 def test_links_of_different_elongation_are_counted_by_their_mean_and_keep_their_own():
     made = rc.catalogue_chain("ANSI 40", 100)
     links = rc.chain_drive(replace(made, elongation=0.02), PAIR).chain.links

@@ -6,7 +6,7 @@ import math
 import pytest
 
 import rustchain as rc
-from rustchain.catalogue.sizes import _other_names, _sizes
+from rustchain.catalogue.sizes import _iso, _other_names, _sizes
 
 INCH = 25.4  # [mm]
 POUND_FORCE = 4.4482216152605  # [N]
@@ -84,6 +84,16 @@ def test_an_iso_chain_has_the_numbers_of_iso_606(name, row, tooth_width, strengt
     assert size.strength == pytest.approx(1e3 * strength)
     assert size.mass_per_length == mass
     assert size.sources["pitch"] == "standard"
+
+
+def test_an_iso_row_has_the_inner_plate_before_the_outer_one():
+    """The heights of both plates agree in the file, not in this row."""
+    table = {"standard": "ISO 606", "sources": {}, "confirmed": {}}
+    made = _iso("08B", [12.7, 8.51, 7.75, 4.45, 11.81, 10.92, 1.6, 1.5, 17.8, 0.7], table)
+    assert made.inner_plate_height == pytest.approx(11.81e-3)
+    assert made.outer_plate_height == pytest.approx(10.92e-3)
+    assert made.inner_plate_thickness == pytest.approx(1.6e-3)
+    assert made.outer_plate_thickness == pytest.approx(1.5e-3)
 
 
 def test_the_file_gives_the_catalogue():
