@@ -6,7 +6,7 @@ use super::NewtonMatrix;
 use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
 use crate::chain::model::Model;
-use crate::math::simd::{Lanes, Octet, PartialSums, parts, put_part, read, write};
+use crate::math::simd::{EntriesMut, Lanes, Octet, PartialSums, parts, put_part, read, write};
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
 struct Residual<'a> {
@@ -140,8 +140,9 @@ fn put_solution<S: Simd>(simd: S, solution: &[[Octet; 3]], links: &mut [f64]) {
             }
         }
         if let Some(solution) = solution.get(whole.len()) {
-            for (link, &solution) in rest.iter_mut().zip(&solution[axis].0) {
-                *link = solution;
+            let mut rest = EntriesMut::of(simd, rest);
+            for part in parts::<S>() {
+                rest.set(part, solution[axis].at(simd, part));
             }
         }
     }

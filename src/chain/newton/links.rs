@@ -13,8 +13,8 @@ use super::ring::{HingeBlocks, coupling_packs, hinge_numbers, own_packs};
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Lanes, Numbers, Octet, Pack, PartialSums, WIDTH, packs, packs_mut, padded_zeros, part_of,
-    parts, put_part, read, write,
+    Entries, Lanes, Numbers, Octet, Pack, PartialSums, WIDTH, packs, packs_mut, padded_zeros,
+    part_of, parts, put_part, read, write,
 };
 
 /// Return whether a bushing of a group of links touches a tooth; rears add the bushing before the group.
@@ -70,10 +70,10 @@ impl LinkTerms {
                 }
             }
             if let Some(group) = groups.get_mut(whole.len()) {
-                let last = &mut group.free[axis].0;
-                *last = [0.0; WIDTH];
-                for (to, &residual) in last.iter_mut().zip(rest) {
-                    *to = residual;
+                // In vectors: single numbers could not be forwarded to the vector that reads them next.
+                let rest = Entries::of(simd, rest);
+                for part in parts::<S>() {
+                    group.free[axis].put(part, rest.at(part));
                 }
             }
         }
