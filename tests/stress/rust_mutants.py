@@ -257,8 +257,13 @@ def processor_time() -> float:
     return spent.ru_utime + spent.ru_stime
 
 
-def tests_of(copy: Path, programs: dict[str, str]) -> dict[int, list[tuple[float, str, str]]]:
-    """Return processor time [s], program and name of the tests that reach each mutant."""
+def tests_of(
+    copy: Path, programs: dict[str, str], longest: float
+) -> dict[int, list[tuple[float, str, str]]]:
+    """Return processor time [s], program and name of the tests that reach each mutant.
+
+    Tests that take more than `longest` [s] are ended and left out.
+    """
     reaching: dict[int, list[tuple[float, str, str]]] = collections.defaultdict(list)
     report = copy / "reached"
     for program in programs.values():
@@ -266,7 +271,10 @@ def tests_of(copy: Path, programs: dict[str, str]) -> dict[int, list[tuple[float
         for test in re.findall(r"^(.+): test$", listed.stdout, re.MULTILINE):
             report.unlink(missing_ok=True)
             begin = processor_time()
-            if ends(copy, program, test, {"MUTANTS_REACHED": str(report)}):
+            status = ends(copy, program, test, {"MUTANTS_REACHED": str(report)}, int(longest) + 1)
+            if status == -signal.SIGKILL:
+                continue
+            if status:
                 print("fails without a mutant:", program, test, flush=True)
             elif report.exists():
                 takes = processor_time() - begin
@@ -296,7 +304,7 @@ def ends(copy: Path, program: str, test: str, environment: dict[str, str], limit
 def run(copy: Path, wanted: list[str], only: str, longest: float, out: Path) -> None:
     """Run the tests that reach each mutant and take less than `longest` [s] without it."""
     names = json.loads((copy / "mutants.json").read_text())
-    reaching = tests_of(copy, binaries(copy, wanted))
+    reaching = tests_of(copy, binaries(copy, wanted), longest)
     print(len(names), "mutants,", len(reaching), "reached", flush=True)
     states: dict[str, str] = json.loads(out.read_text()) if out.exists() else {}
 
