@@ -252,3 +252,6 @@ impl Adams {
         history.estimate_error(self.instructions, &self.next, &self.norm, vectors)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -380,3 +380,187 @@ impl WithSimd for DerivativeAtSolution<'_> {
         });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::simd::InstructionSet;
+
+    /// Numbers: whole vectors of every width and a part of one.
+    const N: usize = 11;
+    const GAMMA: f64 = 0.3;
+
+    /// Numbers of size one, another sequence for each `seed`.
+    fn numbers(seed: f64, count: usize) -> Vec<f64> {
+        (0..count).map(|i| (seed + 1.7 * i as f64).sin()).collect()
+    }
+
+    /// Check against values of size one, which differ by a few roundings of sums of some terms.
+    fn near(found: &[f64], expected: impl Fn(usize) -> f64) {
+        for (i, found) in found.iter().enumerate() {
+            let expected = expected(i);
+            assert!((found - expected).abs() < 1e-14, "{i}: {found} {expected}");
+        }
+    }
+
+    fn sum_of(term: impl Fn(usize) -> f64) -> f64 {
+        (0..N).map(|i| term(i).powi(2)).sum()
+    }
+
+    #[test]
+    fn the_first_iterate_has_the_coordinates_of_the_predicted_velocities() {
+        let [q, v, phi] = [1.0, 2.0, 3.0].map(|seed| numbers(seed, N));
+        for set in InstructionSet::available() {
+            let (mut trial_q, mut trial_v) = (vec![0.0; N], vec![0.0; N]);
+            set.run(Begin {
+                gamma: GAMMA,
+                predicted: (&q, &v),
+                phi_1: &phi,
+                trial: (&mut trial_q, &mut trial_v),
+            });
+            near(&trial_q, |i| q[i] + GAMMA * (v[i] - phi[i]));
+            assert_eq!(trial_v, v);
+        }
+    }
+
+    #[test]
+    fn one_pass_predicts_velocities_and_first_iterate_with_the_newest_difference() {
+        let (width, step, beta, g) = (2 * N + 2, 0.7, 1.3, [1.0, 0.5]);
+        let rows = [4.0, 5.0, 6.0].map(|seed| numbers(seed, width));
+        let y = numbers(7.0, 2 * N);
+        // φ with the newest difference, then φ* and p by the formulas of Shampine and Gordon.
+        let stars = |order: usize, newest: usize, i: usize| {
+            let mut phi = [rows[0][i], rows[1][i]];
+            for phi in &mut phi[..newest] {
+                *phi += rows[newest][i];
+            }
+            if order == 1 {
+                return (phi[0], phi[1], y[i] + step * g[0] * phi[0]);
+            }
+            let second = beta * phi[1];
+            let sum = g[0] * phi[0] + g[1] * second;
+            (phi[0] + second, second, y[i] + step * sum)
+        };
+        for set in InstructionSet::available() {
+            for (order, newest) in [(1, 0), (1, 1), (1, 2), (2, 0), (2, 1), (2, 2)] {
+                let mut table = rows.concat();
+                let (mut predicted, mut trial) = (vec![0.0; N], vec![0.0; 2 * N]);
+                set.run(PredictForNewton {
+                    order,
+                    newest,
+                    step,
+                    gamma: GAMMA,
+                    beta,
+                    g,
+                    table: &mut table,
+                    width,
+                    y: y.split_at(N),
+                    predicted: &mut predicted,
+                    trial: trial.split_at_mut(N),
+                });
+                let of = |i: usize| stars(order, newest, i);
+                near(&table[..2 * N], |i| of(i).0);
+                near(&table[width..width + 2 * N], |i| of(i).1);
+                near(&predicted, |i| of(N + i).2);
+                near(&trial[N..], |i| of(N + i).2);
+                near(&trial[..N], |i| {
+                    let (phi, _, place) = of(i);
+                    place + GAMMA * (of(N + i).2 - phi)
+                });
+            }
+        }
+    }
+
+    #[test]
+    fn the_newest_difference_follows_from_the_equation_of_the_corrector() {
+        let [predicted, trial, phi] = [1.0, 2.0, 3.0].map(|seed| numbers(seed, N));
+        for set in InstructionSet::available() {
+            let (mut newest_q, mut newest_v) = (vec![0.0; N], vec![0.0; N]);
+            set.run(NewtonDifference {
+                inverse_gamma: 1.0 / GAMMA,
+                predicted: &predicted,
+                trial: &trial,
+                phi_1: &phi,
+                rows: (&mut newest_q, &mut newest_v),
+            });
+            near(&newest_q, |i| trial[i] - phi[i]);
+            near(&newest_v, |i| (trial[i] - predicted[i]) / GAMMA);
+        }
+    }
+
+    #[test]
+    fn residuals_are_those_of_the_equation_of_the_corrector() {
+        let [predicted, trial, derivative, phi, weight] =
+            [1.0, 2.0, 3.0, 4.0, 5.0].map(|seed| numbers(seed, N));
+        let first = |i: usize| GAMMA * (derivative[i] - phi[i]);
+        for set in InstructionSet::available() {
+            let mut residual = vec![0.0; N];
+            let sum = set.run(FirstResidual {
+                gamma: GAMMA,
+                derivative: &derivative,
+                phi_1: &phi,
+                inverse_weight: &weight,
+                residual: &mut residual,
+            });
+            near(&residual, first);
+            assert!((sum - sum_of(|i| first(i) * weight[i])).abs() < 1e-14);
+            set.run(Residual {
+                gamma: GAMMA,
+                predicted: &predicted,
+                trial: &trial,
+                derivative: &derivative,
+                phi_1: &phi,
+                written: &mut residual,
+            });
+            near(&residual, |i| predicted[i] - trial[i] + first(i));
+        }
+    }
+
+    #[test]
+    fn a_correction_moves_the_coordinates_by_gamma_and_is_measured_in_weights() {
+        let [change, weight_q, weight_v, predicted, phi, q, v] =
+            [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|seed| numbers(seed, N));
+        let end = |i: usize| v[i] + change[i];
+        for set in InstructionSet::available() {
+            let (mut trial_q, mut trial_v) = (q.clone(), v.clone());
+            let sums = set.run(Apply {
+                gamma: GAMMA,
+                correction: &change,
+                inverse_weight: (&weight_q, &weight_v),
+                predicted: &predicted,
+                phi_1: &phi,
+                trial: (&mut trial_q, &mut trial_v),
+            });
+            near(&trial_q, |i| q[i] + GAMMA * change[i]);
+            near(&trial_v, end);
+            let lengths = sum_of(|i| GAMMA * change[i] * weight_q[i]);
+            let speeds = sum_of(|i| change[i] * weight_v[i]);
+            let rates = sum_of(|i| (end(i) - phi[i]) * weight_q[i]);
+            let accelerations = sum_of(|i| (end(i) - predicted[i]) / GAMMA * weight_v[i]);
+            let expected = [lengths, speeds, rates + accelerations];
+            let found = [sums.lengths, sums.speeds, sums.distance];
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn the_derivative_at_a_solution_follows_from_the_equation_of_the_corrector() {
+        let [predicted, trial, phi] = [1.0, 2.0, 3.0].map(|seed| numbers(seed, N));
+        for set in InstructionSet::available() {
+            let (mut rates, mut accelerations) = (vec![0.0; N], vec![0.0; N]);
+            set.run(DerivativeAtSolution {
+                inverse_gamma: 1.0 / GAMMA,
+                predicted: &predicted,
+                trial: &trial,
+                phi_1: &phi,
+                derivative: (&mut rates, &mut accelerations),
+            });
+            assert_eq!(rates, trial);
+            near(&accelerations, |i| {
+                phi[i] + (trial[i] - predicted[i]) / GAMMA
+            });
+        }
+    }
+}
