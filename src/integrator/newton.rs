@@ -143,13 +143,15 @@ impl Adams {
             return;
         }
         let scale = |order: usize| h * gamma_star(order);
+        // Order one has no advantage over the trapezoidal rule, which is A-stable, too.
+        let lowest = max_order.min(A_STABLE);
         // The rate has grown: the order falls at once to the stable one, with its own error estimate.
         let (order, error) = if k > max_order {
             let norm = (self.history).norm_of_difference(self.instructions, &self.norm, max_order);
             (max_order, scale(max_order) * norm)
         // Up to the trapezoidal rule the order rises without an estimate one order up.
         } else if k < A_STABLE || max_order <= A_STABLE {
-            ((k + 1).min(max_order), estimate.local)
+            (lowest, estimate.local)
         } else {
             // Inside the stability region the choice is that of the explicit corrector.
             let one_above = || scale(k + 1) * above;
@@ -157,8 +159,7 @@ impl Adams {
             let choice = choose_order(k, max_order, estimate, raise, one_above);
             (choice.order, choice.error)
         };
-        // Order one has no advantage over the trapezoidal rule, which is A-stable, too. The step size follows from the error of that order.
-        let lowest = max_order.min(A_STABLE);
+        // The step size follows from the error of the order that is taken.
         let (order, error) = if order < lowest {
             (lowest, estimate.local)
         } else {
@@ -252,111 +253,4 @@ fn low_order_step(h: f64, order: usize, error: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::integrator::{OdeSystem, StepControl};
-
-    /// q'' = -q, and a sum whose rate is not a number from `end` \[s\] on.
-    #[derive(Clone, Copy)]
-    struct Oscillator {
-        end: f64,
-        gamma: f64,
-    }
-
-    impl OdeSystem for Oscillator {
-        fn dimension(&self) -> usize {
-            3
-        }
-        fn controlled(&self) -> usize {
-            2
-        }
-        fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-            let power = if t < self.end { y[1] } else { f64::NAN };
-            dydt.copy_from_slice(&[y[1], -y[0], power]);
-        }
-    }
-
-    impl SecondOrderSystem for Oscillator {
-        fn coordinates(&self) -> usize {
-            1
-        }
-        fn factorise(&mut self, _y: &[f64], gamma: f64) -> bool {
-            self.gamma = gamma;
-            true
-        }
-        fn correct(&mut self, residual: &mut [f64]) {
-            residual[0] /= 1.0 + self.gamma * self.gamma;
-        }
-        fn scale(&self, lengths: &mut [f64]) {
-            lengths.fill(1.0);
-        }
-    }
-
-    fn started(accuracy: f64, end: f64) -> (Adams, Oscillator) {
-        let control = StepControl {
-            accuracy,
-            max_step: 0.1,
-            ..StepControl::default()
-        };
-        let mut adams = Adams::new(3, control);
-        adams.restart(0.0, &[1.0, 0.0, 0.0]);
-        (adams, Oscillator { end, gamma: 0.0 })
-    }
-
-    #[test]
-    fn the_rounding_of_an_explicit_step_is_compensated_once() {
-        let (mut adams, mut system) = started(1e-14, f64::INFINITY);
-        for _ in 0..40 {
-            adams.step_pece(&mut system).unwrap();
-        }
-        assert!(adams.history.differences.compensates());
-        adams.step_newton(&mut system).unwrap();
-        let (mut other, mut same) = (adams.clone(), system);
-        other.history.differences.forget_rounding();
-        for _ in 0..40 {
-            adams.step_newton(&mut system).unwrap();
-            other.step_newton(&mut same).unwrap();
-            assert_eq!(adams.y(), other.y());
-        }
-    }
-
-    #[test]
-    fn order_two_in_place_of_one_takes_the_step_size_of_its_own_error() {
-        let (mut adams, mut system) = started(1e-6, f64::INFINITY);
-        for _ in 0..40 {
-            adams.step_newton(&mut system).unwrap();
-        }
-        // Order one has half of the error, but it is not taken: the step size has to follow from the error of order two.
-        adams.next.steps_until_growth = 0;
-        (adams.history.last_order, adams.history.last_step_size) = (2, adams.next.size);
-        let estimate = ErrorEstimate {
-            local: 1.0,
-            at_order: 1.0,
-            one_below: 0.5,
-            two_below: 0.0,
-        };
-        adams.choose_implicit_order_and_step(&estimate, 0.0);
-        let expected = SAFETY * adams.history.last_step_size;
-        assert_eq!(adams.next.order, 2);
-        assert!((adams.next.size / expected - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn tolerances_below_rounding_are_refused() {
-        let (mut adams, mut system) = started(1e-18, f64::INFINITY);
-        let failure = adams.step_newton(&mut system).unwrap_err();
-        assert!(matches!(failure, StepFailure::ToleranceTooSmall { factor, .. } if factor > 1.0));
-    }
-
-    #[test]
-    fn an_error_that_is_not_a_number_makes_the_step_shorter() {
-        let end = 1.0;
-        let (mut adams, mut system) = started(1e-6, end);
-        let failure = loop {
-            if let Err(failure) = adams.step_newton(&mut system) {
-                break failure;
-            }
-        };
-        assert!((adams.time() - end).abs() < 1e-9, "{failure:?}");
-    }
-}
+mod tests;
