@@ -144,3 +144,75 @@ impl Coefficients {
         self.equal_steps = 0;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_steps_have_the_weights_of_adams_and_bashforth() {
+        let exact = [1.0, 0.5, 5.0 / 12.0, 0.375, 251.0 / 720.0, 95.0 / 288.0];
+        let mut c = Coefficients::new();
+        let mut last = (0.0, 0);
+        // The order rises to five and stays: after k + 1 equal steps no coefficient changes.
+        for order in [1, 2, 3, 4, 5, 5, 5, 5, 5, 5, 5] {
+            c.update(0.1, order, last.0, last.1);
+            last = (0.1, order);
+            for (g, exact) in c.g.iter().zip(&exact[..=order.min(c.equal_steps)]) {
+                assert!((g - exact).abs() < 1e-15, "{order}: {g} {exact}");
+            }
+        }
+        for (i, sigma) in c.sigma[..6].iter().enumerate() {
+            assert!((sigma - 1.0).abs() < 1e-15, "{i}");
+        }
+    }
+
+    #[test]
+    fn coefficients_continued_over_equal_steps_are_those_made_from_all_step_sizes() {
+        let mut c = Coefficients::new();
+        let mut last = (0.0, 0);
+        // Steps of three sizes; the order rises, stays, falls and rises again among equal steps.
+        for (h, order) in [
+            (0.1, 1),
+            (0.2, 2),
+            (0.2, 3),
+            (0.2, 4),
+            (0.2, 4),
+            (0.2, 4),
+            (0.2, 5),
+            (0.3, 5),
+            (0.3, 5),
+            (0.3, 5),
+            (0.3, 5),
+            (0.3, 6),
+            (0.3, 5),
+            (0.3, 4),
+            (0.3, 5),
+            (0.15, 6),
+            (0.15, 6),
+            (0.15, 7),
+            (0.15, 7),
+            (0.15, 7),
+        ] {
+            let mut anew = c.clone();
+            c.update(h, order, last.0, last.1);
+            // A last size that is none: nothing is continued.
+            anew.update(h, order, f64::NAN, last.1);
+            for i in 0..=order {
+                assert!((c.g[i] - anew.g[i]).abs() < 1e-14, "{order} {i}");
+                assert!(
+                    (c.sigma[i] / anew.sigma[i] - 1.0).abs() < 1e-13,
+                    "{order} {i}"
+                );
+            }
+            for i in 0..order {
+                assert!((c.psi[i] - anew.psi[i]).abs() < 1e-14, "{order} {i}");
+                assert!(
+                    (c.beta[i] / anew.beta[i] - 1.0).abs() < 1e-13,
+                    "{order} {i}"
+                );
+            }
+            last = (h, order);
+        }
+    }
+}

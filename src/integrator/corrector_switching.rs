@@ -356,4 +356,40 @@ mod tests {
         // No step may be twice as long.
         assert_eq!(evidence(4, 0.6, 0.0), 6);
     }
+
+    #[test]
+    fn the_error_at_order_two_decides_from_order_two_on() {
+        let evidence = |order: usize, norm: f64| {
+            let mut adams = stepped(50.0, 1.0);
+            let control = StepControl {
+                max_step: 1e3,
+                ..adams.control
+            };
+            adams.control = control;
+            let history = &mut adams.history;
+            (history.last_order, history.last_step_size) = (order, 1.0);
+            let found = history.norm_of_difference(adams.instructions, &adams.norm, 2);
+            assert!(found > 0.0);
+            for weight in adams.norm.inverse_weight.iter_mut() {
+                *weight *= norm / found;
+            }
+            adams.switching.evidence = 10;
+            adams.check_switch_to_implicit(&Damped(50.0));
+            adams.switching.evidence
+        };
+        // An error far above the tolerance; below order two there is none.
+        assert_eq!([1, 2, 3].map(|order| evidence(order, 1e6)), [14, 6, 6]);
+        assert_eq!([1, 2, 3].map(|order| evidence(order, 1e-6)), [14, 14, 14]);
+    }
+
+    #[test]
+    fn the_rate_is_that_of_all_velocities() {
+        let mut adams = Adams::new(6, StepControl::default());
+        adams.norm.inverse_weight.fill(1.0);
+        // Coordinates and padding do not count: changes of 3, 4 and 12 for changes of velocities of 1, 2 and 2.
+        let vectors = &mut adams.vectors;
+        vectors.derivative[..6].copy_from_slice(&[9.0, 9.0, 9.0, 3.0, 4.0, 12.0]);
+        vectors.y[..6].copy_from_slice(&[9.0, 9.0, 9.0, 1.0, 2.0, 2.0]);
+        assert!((adams.rate_from_slopes(3) - 13.0 / 3.0).abs() < 1e-14);
+    }
 }

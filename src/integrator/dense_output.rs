@@ -202,4 +202,41 @@ mod tests {
         }
         assert!(adams.history.last_order > 4);
     }
+
+    /// y = (t², 1 - 2 t²).
+    struct Quadratic;
+
+    impl OdeSystem for Quadratic {
+        fn dimension(&self) -> usize {
+            2
+        }
+        fn derivative(&mut self, t: f64, _y: &[f64], dydt: &mut [f64]) {
+            dydt.copy_from_slice(&[2.0 * t, -4.0 * t]);
+        }
+    }
+
+    #[test]
+    fn a_quadratic_is_met_inside_the_first_steps() {
+        let control = StepControl {
+            rtol: 1e-3,
+            atol: 1e-3,
+            max_step: 0.1,
+            ..StepControl::default()
+        };
+        let mut adams = Adams::new(2, control);
+        adams.restart(0.5, &[0.25, 0.5]);
+        // Two differences in a step of order one: its derivative is linear.
+        for _ in 0..6 {
+            adams.step(&mut Quadratic).unwrap();
+            let sums = adams.dense_sums(|y| [y[0] - y[1]]);
+            for share in [0.25, 0.5, 1.0] {
+                let t = adams.time() - share * adams.history.last_step_size;
+                let mut y = [0.0; 2];
+                adams.interpolate(t, &mut y);
+                assert!((y[0] - t * t).abs() < 1e-14 && (y[1] + 2.0 * t * t - 1.0).abs() < 1e-14);
+                let difference = sums.end()[0] + sums.change_at(t)[0];
+                assert!((difference - 3.0 * t * t + 1.0).abs() < 1e-14);
+            }
+        }
+    }
 }

@@ -366,4 +366,49 @@ mod tests {
         table.restart(&padded_zeros(1), true);
         assert!(!table.can_predict_for_newton(2));
     }
+
+    #[test]
+    fn the_error_estimates_take_the_rows_of_three_orders() {
+        let mut table = Differences::new(1);
+        for (i, row) in table.table.chunks_exact_mut(table.width).enumerate() {
+            row[0] = i as f64;
+        }
+        let rows = |order: usize| table.rows_of_errors(order).map(|row| row[0]);
+        assert_eq!(rows(1), [0.0, 0.0, 0.0]);
+        assert_eq!(rows(2), [0.0, 1.0, 0.0]);
+        assert_eq!(rows(5), [0.0, 4.0, 3.0]);
+        assert_eq!(table.table.len(), (MAX_ORDER + 2) * table.width);
+    }
+
+    #[test]
+    fn rows_above_a_fallen_order_are_completed_for_a_later_rise() {
+        let mut table = Differences::new(1);
+        let width = table.width;
+        for (row, value) in [1.0, 10.0, 100.0, 1000.0].into_iter().enumerate() {
+            table.table[row * width] = value;
+        }
+        table.newest = 3;
+        let mut coefficients = Coefficients::new();
+        coefficients.update(1.0, 1, 1.0, 3);
+        let (y, mut predicted) = (padded_zeros(1), padded_zeros(1));
+        let set = InstructionSet::detect();
+        table.predict(set, &coefficients, 1, 1.0, &y, &mut predicted);
+        let rows = [0, 1, 2, 3].map(|row| table.row(row)[0]);
+        assert_eq!(rows, [1001.0, 1010.0, 1100.0, 1000.0]);
+        assert_eq!((predicted[0], table.newest), (1001.0, 0));
+    }
+
+    #[test]
+    fn a_forgotten_rounding_is_zero() {
+        let mut table = Differences::new(1);
+        table.restart(&padded_zeros(1), true);
+        let compensation = table.compensation.as_mut().unwrap();
+        (compensation.kept[0], compensation.predicted[0]) = (1.0, 2.0);
+        table.forget_rounding();
+        let compensation = table.compensation.as_ref().unwrap();
+        assert_eq!(
+            (compensation.kept[0], compensation.predicted[0]),
+            (0.0, 2.0)
+        );
+    }
 }

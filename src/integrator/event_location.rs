@@ -334,4 +334,47 @@ mod tests {
         assert!((t - 0.77).abs() < 1e-12, "{t}");
         assert!((rate - 200.0).abs() < 1e-3 && asked < 30, "{rate} {asked}");
     }
+
+    #[test]
+    fn bisection_stays_behind_the_minimum_of_the_interpolant() {
+        // In contact at the start, apart, and in contact from about 0.6 on with a rate that is small soon after it: Newton's steps leave
+        // the bracket, whose lower end is the minimum. A bracket from the start or before would contain the first contact, too.
+        let depth = |t: f64| {
+            let (x, fading) = (100.0 * (t - 10.6), 6.0 * ((10.0 - t) / 0.15).exp());
+            [x.atan() + fading, 100.0 / (1.0 + x * x) - fading / 0.15]
+        };
+        let ([t, _], asked) = crossing(depth, 10.0, 11.0);
+        assert!((10.59..10.6).contains(&t) && asked < 15, "{t} {asked}");
+        assert!(depth(t)[0].abs() < 1e-10);
+    }
+
+    #[test]
+    fn bisection_of_a_jump_ends_at_rounding() {
+        let depth = |t: f64| [if t < 0.3 { -1.0 } else { 1.0 }, 0.0];
+        let ([t, _], asked) = crossing(depth, 0.0, 1.0);
+        assert!((t - 0.3).abs() <= f64::EPSILON, "{t}");
+        // Both ends, the guess, and 54 halvings: the rounding of 0.3 is 2^-54.
+        assert!(asked <= 3 + 54, "{asked}");
+    }
+
+    #[test]
+    fn extrema_are_independent_of_the_scale_of_the_penetration() {
+        let scaled = |scale: f64| {
+            let coefficients = [-0.1, -0.675, 1.725, -1.0].map(|value| scale * value);
+            let extrema = [1.0, -1.0].map(|sign| {
+                let cubic = interpolant(coefficients.map(|value| sign * value), 0.0, 1.0);
+                cubic.minimum_inside().unwrap()
+            });
+            assert!((extrema[0] - 0.25).abs() < 1e-14 && (extrema[1] - 0.9).abs() < 1e-14);
+        };
+        [1.0, 3.0, 0.2].map(scaled);
+    }
+
+    #[test]
+    fn the_first_guess_is_the_middle_where_the_value_is_zero_at_the_low_end() {
+        // t (t - 0.25)(t + 1)
+        let cubic = interpolant([0.0, -0.25, 0.75, 1.0], 0.0, 1.0);
+        assert_eq!(cubic.upward_root(0.0), 0.5);
+        assert_eq!(cubic.upward_root(0.25), 0.625);
+    }
 }

@@ -263,4 +263,82 @@ mod tests {
         let failure = adams.step(&mut Riccati).unwrap_err();
         assert!(matches!(failure, StepFailure::ToleranceTooSmall { factor, .. } if factor > 1.0));
     }
+
+    /// An integrator without past behind a step of this order and a size of 1 s.
+    fn behind_step(order: usize) -> Adams {
+        let control = StepControl {
+            max_step: 100.0,
+            ..control(1e-3)
+        };
+        let mut adams = Adams::new(1, control);
+        adams.restart(0.0, &[1.0]);
+        adams.norm.update(
+            adams.instructions,
+            &adams.control,
+            &Riccati,
+            (&adams.vectors.y, true),
+        );
+        adams.start(&mut Riccati);
+        adams.next.growing = false;
+        (adams.next.order, adams.next.size) = (order, 1.0);
+        let history = &mut adams.history;
+        (history.last_order, history.last_step_size) = (order, 1.0);
+        history.coefficients.equal_steps = 5;
+        adams
+    }
+
+    fn errors(one_below: f64, at_order: f64) -> ErrorEstimate {
+        ErrorEstimate {
+            local: at_order,
+            two_below: 0.0,
+            one_below,
+            at_order,
+        }
+    }
+
+    #[test]
+    fn rejected_steps_are_halved_until_the_fourth_failure_takes_the_step_of_order_one() {
+        let rejected = |failures: u32, error: f64| {
+            let mut adams = behind_step(5);
+            let estimate = errors(2.0 * error, error);
+            adams.reject_step(&estimate, failures, 1).unwrap();
+            (adams.next.order, adams.next.size)
+        };
+        // The third failure leads to order one; only a later one has the error of that order.
+        for (failures, order) in [(1, 5), (2, 5), (3, 1)] {
+            assert_eq!(rejected(failures, 50.0), (order, REJECTED));
+        }
+        // The size for half of the tolerance, where it is below half of the size.
+        assert_eq!(rejected(4, 50.0), (1, 0.1));
+        assert_eq!(rejected(4, 2.1), (1, (0.5f64 / 2.1).sqrt()));
+        assert_eq!(rejected(4, 1.9), (1, REJECTED));
+        assert_eq!(rejected(4, f64::INFINITY), (1, REJECTED));
+    }
+
+    #[test]
+    fn a_rejected_step_takes_a_lower_order_with_smaller_errors() {
+        let order = |one_below: f64, failures: u32| {
+            let mut adams = behind_step(5);
+            adams
+                .reject_step(&errors(one_below, 1.0), failures, 1)
+                .unwrap();
+            adams.next.order
+        };
+        assert_eq!([order(1.0, 1), order(1.1, 1), order(1.0, 3)], [4, 5, 1]);
+    }
+
+    #[test]
+    fn the_order_rises_by_the_error_one_order_up() {
+        let chosen = |error: f64| {
+            let mut adams = behind_step(3);
+            // The norm of φ_5 for this error of order four.
+            let above = error / gamma_star(4);
+            adams.choose_order_and_step(&errors(9.0, 2.0), above);
+            (adams.next.order, adams.next.size)
+        };
+        let (order, size) = chosen(1.9);
+        assert_eq!(order, 4);
+        assert!((size - (0.5f64 / 1.9).powf(0.2)).abs() < 1e-14);
+        assert_eq!(chosen(2.1).0, 3);
+    }
 }

@@ -218,6 +218,10 @@ mod tests {
         assert_eq!(history.worst_component(&norm, &vectors, 3), 1);
         norm.inverse_weight[1] = 0.1;
         assert_eq!(history.worst_component(&norm, &vectors, 3), 0);
+        // 2 and 1.6 tolerances; changes plus weights would be 3 and 4.5.
+        norm.inverse_weight[1] = 3.2;
+        assert_eq!(history.worst_component(&norm, &vectors, 3), 0);
+        norm.inverse_weight[1] = 0.1;
         // Derivatives that are large and do not change are no error.
         vectors.derivative[..3].copy_from_slice(&[1.0, -2.0, 3.5]);
         assert_eq!(history.worst_component(&norm, &vectors, 3), 2);

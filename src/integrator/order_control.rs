@@ -251,6 +251,8 @@ mod tests {
         for (found, expected) in found.into_iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 1e-14, "{found} {expected}");
         }
+        let fifth = ErrorEstimate::new(&c, (5, 0.1), f64::sqrt, [4.0, 9.0, 16.0]);
+        assert!((fifth.two_below / (0.1 * 4.0 * 0.4 * gamma_star(3)) - 1.0).abs() < 1e-14);
         // Orders below one have no estimate.
         let first = ErrorEstimate::new(&c, (1, 0.1), f64::sqrt, [4.0, 9.0, 16.0]);
         assert_eq!((first.one_below, first.two_below), (0.0, 0.0));

@@ -144,6 +144,14 @@ fn tolerances_below_rounding_name_the_component_and_the_factor() {
     };
     assert!((factor - 4.0).abs() < 1e-12);
     assert_eq!(component, 1);
+    // 3 and 4 by weights of 1 and 1/2, both far above the limit: the tolerance counts, not the value.
+    let mut weighted = adams.clone();
+    weighted.norm.inverse_weight[..3].copy_from_slice(&[1e18, 0.5e18, 1e18]);
+    let failure = weighted.check_tolerances(3).unwrap_err();
+    assert!(matches!(
+        failure,
+        StepFailure::ToleranceTooSmall { component: 0, .. }
+    ));
     // Checked again after sixteen steps only.
     adams.starting = false;
     adams.counts.steps = 15;
@@ -203,4 +211,56 @@ fn a_component_that_is_reset_stays_at_zero_with_its_history() {
     adams.set_component(2, 7.0);
     assert_eq!(adams.y()[2], 7.0);
     assert!(slope[0] != 0.0);
+}
+
+#[test]
+fn the_first_step_without_any_slope_is_a_second_long() {
+    /// y' = 0.
+    struct Still;
+    impl OdeSystem for Still {
+        fn dimension(&self) -> usize {
+            3
+        }
+        fn derivative(&mut self, _t: f64, _y: &[f64], dydt: &mut [f64]) {
+            dydt.fill(0.0);
+        }
+    }
+    for y in [[0.0; 3], [1.0, 0.0, 0.0]] {
+        let mut adams = started(&y);
+        adams.control.max_step = 1e9;
+        adams.norm.update(
+            adams.instructions,
+            &adams.control,
+            &Still,
+            (&adams.vectors.y, true),
+        );
+        adams.start(&mut Still);
+        assert_eq!(adams.step_size(), 1.0);
+    }
+}
+
+#[test]
+fn what_is_set_is_what_is_in_use() {
+    let mut adams = started(&[1.0, 0.0, 0.0]);
+    for set in InstructionSet::available() {
+        adams.use_instructions(set);
+        assert_eq!(adams.instructions().name(), set.name());
+    }
+    adams.step(&mut Circle).unwrap();
+    adams.next.order = 7;
+    assert_eq!(adams.order(), 7);
+    let shorter = 0.5 * adams.step_size();
+    adams.limit_step(shorter);
+    assert_eq!(adams.step_size(), shorter);
+}
+
+#[test]
+fn a_correction_after_the_last_evaluation_is_that_of_the_velocities() {
+    let mut adams = Adams::new(5, by_component(1e-6));
+    adams.vectors.residual[..5].copy_from_slice(&[1.0, 2.0, 3.0, 4.0, 5.0]);
+    adams.convergence.gamma = 0.25;
+    assert!(adams.correction_after_evaluation().is_none());
+    adams.convergence.unmeasured = true;
+    let (gamma, velocities) = adams.correction_after_evaluation().unwrap();
+    assert_eq!((gamma, velocities), (0.25, &[1.0, 2.0][..]));
 }
