@@ -383,4 +383,60 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn coefficients_are_positive_numbers() {
+        for coefficient in [0.0, -0.1, f64::INFINITY, f64::NAN] {
+            let law = LuGre {
+                static_coefficient: coefficient,
+                ..laws()[0]
+            };
+            assert!(law.check("friction").is_err(), "{coefficient}");
+        }
+        assert!(laws().iter().all(|law| law.check("friction").is_ok()));
+    }
+
+    #[test]
+    fn the_coefficient_falls_from_the_static_to_the_kinetic_one() {
+        for law in laws() {
+            assert!((law.coefficient(0.0) - 0.15).abs() < 1e-15);
+            for slip in [-0.5, -1e-3, 1e-3, 1e-2] {
+                // In steady slip the rate is zero at the deflection g/σ₀ of the printed law.
+                let g = law.coefficient(slip);
+                let rate = printed(&law, g / law.stiffness * slip.signum(), slip).rate;
+                assert!(rate.abs() < 1e-14 * slip.abs(), "{law:?} {slip}: {rate}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_solution_of_an_implicit_step_and_its_slope_are_those_of_the_printed_law() {
+        let gamma = 2e-6;
+        for law in laws() {
+            let predicted = 0.4 * law.breakaway();
+            for slip in [-5e-3, -4e-4, 2e-4, 1.5e-3, 0.02] {
+                let share = |slip: f64| {
+                    let (z, _) = law.solve(predicted, gamma, slip);
+                    let bent = printed(&law, z, slip);
+                    assert!((z - predicted - gamma * bent.rate).abs() < 1e-13 * law.breakaway());
+                    bent.share
+                };
+                let step = 1e-5 * slip.abs();
+                let expected = (share(slip + step) - share(slip - step)) / (2.0 * step);
+                let (_, slope) = law.solve(predicted, gamma, slip);
+                // Central differences: the square of 1e-5, and rounding over 1e-5.
+                let scale = gamma * law.stiffness
+                    + law.damping
+                    + law.viscous_coefficient
+                    + share(slip).abs() / slip.abs();
+                assert!(
+                    (slope - expected).abs() < 1e-8 * scale,
+                    "{law:?} {slip}: {slope} {expected}"
+                );
+            }
+            // At rest the slope is that of slip in the positive direction.
+            let [at_rest, behind] = [0.0, 1e-300].map(|slip| law.solve(predicted, gamma, slip).1);
+            assert!(at_rest == behind || law.stribeck_exponent < 1.0);
+        }
+    }
 }
