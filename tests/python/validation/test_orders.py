@@ -84,7 +84,7 @@ SCENES = {
     "rollers": lambda: on_drive(drive(0.003, rollers="bodies")),
     "elastic plates": lambda: on_drive(drive(0.02, plates="elastic")),
     "ideal hinges": lambda: on_drive(drive(0.2, hinges="ideal")),
-    "idler": lambda: on_drive(guided(0.02, IDLER)),
+    "idler": lambda: on_drive(guided(0.03, IDLER)),
     "rail": lambda: on_drive(guided(0.02, RAIL)),
     "open chain": lambda: on_drive(rc.open_chain("ANSI 40", (ANCHOR, rc.LoadedEnd(50.0)), 12)),
     "hoist": lambda: on_drive(rc.open_chain("ANSI 40", (WEIGHT, WEIGHT), 28, [WHEEL])),
