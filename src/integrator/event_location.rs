@@ -367,7 +367,7 @@ mod tests {
             });
             assert!((extrema[0] - 0.25).abs() < 1e-14 && (extrema[1] - 0.9).abs() < 1e-14);
         };
-        [1.0, 3.0, 0.2].map(scaled);
+        [1.0, 3.0, 0.2].into_iter().for_each(scaled);
     }
 
     #[test]
