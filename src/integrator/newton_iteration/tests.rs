@@ -1,5 +1,7 @@
 //! Tests of Newton's iteration on three oscillators with known slopes.
 
+#![allow(clippy::needless_range_loop)] // several arrays have one index
+
 use std::ops::Range;
 
 use super::super::{OdeSystem, StepControl};
