@@ -393,6 +393,16 @@ mod tests {
             };
             assert!(law.check("friction").is_err(), "{coefficient}");
         }
+        let with_kinetic = |coefficient: f64| {
+            let law = LuGre {
+                kinetic_coefficient: coefficient,
+                ..laws()[0]
+            };
+            law.check("friction").is_ok()
+        };
+        // The kinetic one is at most the static one of 0.15.
+        let kinetic = [-0.1, 0.0, 1e-300, 0.15, 0.150_001, f64::NAN].map(with_kinetic);
+        assert_eq!(kinetic, [false, false, true, true, false, false]);
         assert!(laws().iter().all(|law| law.check("friction").is_ok()));
     }
 

@@ -161,6 +161,11 @@ mod tests {
                 "{d}"
             );
         }
+        // Both forms meet at the end; over this distance the energy changes by four times its share.
+        let [end, stiffness] = pair;
+        let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|x| Logarithmic::energy(&pair, x * end));
+        let change = (above - below) / (0.25 * stiffness * end * end);
+        assert!((0.0..1e-8).contains(&change), "{change}");
     }
 
     /// The bound is the error of the solver: that of the exponent passed to exp, and that of δ/`δ_end` near the end.

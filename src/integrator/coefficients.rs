@@ -215,4 +215,21 @@ mod tests {
             last = (h, order);
         }
     }
+
+    #[test]
+    fn an_undone_step_leaves_the_sums_of_the_steps_before() {
+        let mut c = Coefficients::new();
+        let mut last = (0.0, 0);
+        for (h, order) in [(0.1, 1), (0.2, 2), (0.3, 3), (0.3, 4)] {
+            c.update(h, order, last.0, last.1);
+            last = (h, order);
+        }
+        let before = c.clone();
+        c.update(0.5, 5, last.0, last.1);
+        c.undo_prediction(5, 0.5);
+        for (psi, before) in c.psi.iter().zip(&before.psi[..4]) {
+            assert!((psi - before).abs() < 1e-15, "{psi} {before}");
+        }
+        assert_eq!(c.equal_steps, 0);
+    }
 }

@@ -359,7 +359,9 @@ mod tests {
 
     #[test]
     fn the_error_at_order_two_decides_from_order_two_on() {
-        let evidence = |order: usize, norm: f64| {
+        let step = 0.4;
+        let evidence = |order: usize, error: f64| {
+            let norm = error / (step * gamma_star(2));
             let mut adams = stepped(50.0, 1.0);
             let control = StepControl {
                 max_step: 1e3,
@@ -367,7 +369,7 @@ mod tests {
             };
             adams.control = control;
             let history = &mut adams.history;
-            (history.last_order, history.last_step_size) = (order, 1.0);
+            (history.last_order, history.last_step_size) = (order, step);
             let found = history.norm_of_difference(adams.instructions, &adams.norm, 2);
             assert!(found > 0.0);
             for weight in adams.norm.inverse_weight.iter_mut() {
@@ -377,9 +379,10 @@ mod tests {
             adams.check_switch_to_implicit(&Damped(50.0));
             adams.switching.evidence
         };
-        // An error far above the tolerance; below order two there is none.
-        assert_eq!([1, 2, 3].map(|order| evidence(order, 1e6)), [14, 6, 6]);
-        assert_eq!([1, 2, 3].map(|order| evidence(order, 1e-6)), [14, 14, 14]);
+        // An error above the profitable one; below order two there is none.
+        let [above, below] = [1.01, 0.99].map(|share| share * PROFITABLE_ERROR);
+        assert_eq!([1, 2, 3].map(|order| evidence(order, above)), [14, 6, 6]);
+        assert_eq!([1, 2, 3].map(|order| evidence(order, below)), [14; 3]);
     }
 
     #[test]
@@ -391,5 +394,48 @@ mod tests {
         vectors.derivative[..6].copy_from_slice(&[9.0, 9.0, 9.0, 3.0, 4.0, 12.0]);
         vectors.y[..6].copy_from_slice(&[9.0, 9.0, 9.0, 1.0, 2.0, 2.0]);
         assert!((adams.rate_from_slopes(3) - 13.0 / 3.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_corrector_in_use_is_the_one_that_was_chosen_or_that_of_the_last_change() {
+        let mut adams = Adams::new(2, StepControl::default());
+        let mut implicit = |corrector: Corrector, switched: bool| {
+            adams.control.corrector = corrector;
+            adams.switching.implicit = switched;
+            adams.is_implicit()
+        };
+        let [pece, newton, auto] = [Corrector::Pece, Corrector::Newton, Corrector::Auto]
+            .map(|corrector| [false, true].map(|switched| implicit(corrector, switched)));
+        assert_eq!([pece, newton, auto], [[false; 2], [true; 2], [false, true]]);
+    }
+
+    #[test]
+    fn explicit_steps_are_checked_every_few_steps_where_the_choice_is_automatic() {
+        let control = StepControl {
+            accuracy: 1e-6,
+            max_step: 1e9,
+            ..StepControl::default()
+        };
+        for corrector in [Corrector::Auto, Corrector::Pece] {
+            let mut adams = Adams::new(
+                2,
+                StepControl {
+                    corrector,
+                    ..control
+                },
+            );
+            adams.restart(0.0, &[0.0, 1.0]);
+            let mut checks = 0;
+            for step in 1..=16 {
+                let before = adams.switching.steps_since_switch;
+                adams.step_pece(&mut Damped(1.0)).unwrap();
+                if adams.switching.steps_since_switch != before {
+                    assert_eq!(step % STEPS_PER_CHECK, 0);
+                    checks += 1;
+                }
+            }
+            let expected = if corrector == Corrector::Auto { 4 } else { 0 };
+            assert_eq!(checks, expected);
+        }
     }
 }

@@ -239,4 +239,47 @@ mod tests {
             }
         }
     }
+
+    /// y_i = t^(i+1).
+    struct Powers;
+
+    impl OdeSystem for Powers {
+        fn dimension(&self) -> usize {
+            9
+        }
+        fn derivative(&mut self, t: f64, _y: &[f64], dydt: &mut [f64]) {
+            for (i, rate) in (0..9).zip(dydt) {
+                *rate = f64::from(i + 1) * t.powi(i);
+            }
+        }
+    }
+
+    #[test]
+    fn the_change_inside_a_step_of_order_k_is_exact_for_polynomials_of_degree_k_plus_one() {
+        let control = StepControl {
+            rtol: 1e-9,
+            atol: 1e-9,
+            max_step: 0.1,
+            ..StepControl::default()
+        };
+        let mut adams = Adams::new(9, control);
+        adams.restart(0.0, &[0.0; 9]);
+        let mut highest = 0;
+        while adams.time() < 1.0 {
+            adams.step(&mut Powers).unwrap();
+            let (end, order) = (adams.time(), adams.history.last_order);
+            highest = highest.max(order);
+            for share in [0.25, 0.5, 1.0] {
+                let t = end - share * adams.history.last_step_size;
+                let mut y = [0.0; 9];
+                adams.interpolate(t, &mut y);
+                for (i, y) in y.iter().enumerate().take(order + 1) {
+                    let power = (i + 1).try_into().unwrap();
+                    let change = t.powi(power) - end.powi(power);
+                    assert!((y - adams.y()[i] - change).abs() < 1e-13, "{order} {i}");
+                }
+            }
+        }
+        assert!(highest >= 5, "{highest}");
+    }
 }

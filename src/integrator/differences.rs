@@ -411,4 +411,101 @@ mod tests {
             (0.0, 2.0)
         );
     }
+
+    #[test]
+    fn an_undone_prediction_leaves_the_differences_with_the_newest_one_added() {
+        // Whole vectors of every width and a part of one.
+        let dimension = 11;
+        for set in InstructionSet::available() {
+            for order in 1..=4 {
+                let mut table = Differences::new(dimension);
+                let width = table.width;
+                for (i, value) in table.table.iter_mut().enumerate() {
+                    *value = if i % width < dimension {
+                        (i as f64).sin()
+                    } else {
+                        0.0
+                    };
+                }
+                table.newest = order;
+                let mut c = Coefficients::new();
+                let mut last = (0.0, 0);
+                for (i, h) in [0.1, 0.3, 0.2, 0.4, 0.25].into_iter().enumerate() {
+                    c.update(h, (i + 1).min(order), last.0, last.1);
+                    last = (h, (i + 1).min(order));
+                }
+                let before = table.clone();
+                let (y, mut predicted) = (padded_zeros(dimension), padded_zeros(dimension));
+                table.predict(set, &c, order, 0.25, &y, &mut predicted);
+                for i in 0..dimension {
+                    // φ*_1 is the sum of all β φ.
+                    let sum: f64 = (0..order)
+                        .map(|row| c.beta[row] * (before.row(row)[i] + before.row(order)[i]))
+                        .sum();
+                    assert!((table.row(0)[i] - sum).abs() < 1e-13, "{order} {i}");
+                }
+                table.undo_prediction(set, &c, order);
+                for row in 0..order {
+                    let rows = table.row(row).iter().zip(before.row(row));
+                    for (i, (found, before_row)) in rows.enumerate() {
+                        let expected = before_row + before.row(order)[i];
+                        assert!((found - expected).abs() < 1e-13, "{order} {row} {i}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_predicted_value_is_compensated_and_its_rounding_kept() {
+        let mut table = Differences::new(1);
+        let mut slope = padded_zeros(1);
+        // An increment of 1.25 units in the last place of one: rounded to one of them.
+        slope[0] = 1.25 * f64::EPSILON;
+        table.restart(&slope, true);
+        let (mut y, mut predicted) = (padded_zeros(1), padded_zeros(1));
+        y[0] = 1.0;
+        let mut c = Coefficients::new();
+        c.update(1.0, 1, 0.0, 0);
+        table.predict(InstructionSet::detect(), &c, 1, 1.0, &y, &mut predicted);
+        assert_eq!(predicted[0], 1.0 + f64::EPSILON);
+        let compensation = table.compensation.as_ref().unwrap();
+        assert_eq!(compensation.predicted[0], -0.25 * f64::EPSILON);
+    }
+
+    #[test]
+    fn compensated_steps_differ_from_others_by_rounding_only() {
+        /// y' = -y.
+        struct Decay;
+        impl OdeSystem for Decay {
+            fn dimension(&self) -> usize {
+                1
+            }
+            fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+                dydt[0] = -y[0];
+            }
+        }
+        // Of the two tolerances the smaller one is 95 times the rounding of the solution.
+        let [compensated, plain] = [95.0, 105.0].map(|roundings| {
+            let control = StepControl {
+                rtol: 0.0,
+                atol: 2.0 * roundings * 2.0 * f64::EPSILON,
+                max_step: 1e-3,
+                max_order: 3,
+                ..StepControl::default()
+            };
+            let mut adams = Adams::new(1, control);
+            adams.restart(0.0, &[1.0]);
+            while adams.time() < 0.1 {
+                adams.step(&mut Decay).unwrap();
+            }
+            assert_eq!(adams.history.differences.compensates(), roundings < 100.0);
+            adams.y()[0] / (-adams.time()).exp() - 1.0
+        });
+        // The truncation of steps at the tolerance, of which there are some hundreds.
+        assert!(
+            compensated.abs() < 2e-11 && plain.abs() < 2e-11,
+            "{compensated} {plain}"
+        );
+    }
 }

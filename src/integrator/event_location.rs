@@ -359,15 +359,17 @@ mod tests {
 
     #[test]
     fn extrema_are_independent_of_the_scale_of_the_penetration() {
-        let scaled = |scale: f64| {
+        for scale in [1.0, 3.0, 0.2] {
             let coefficients = [-0.1, -0.675, 1.725, -1.0].map(|value| scale * value);
             let extrema = [1.0, -1.0].map(|sign| {
                 let cubic = interpolant(coefficients.map(|value| sign * value), 0.0, 1.0);
                 cubic.minimum_inside().unwrap()
             });
             assert!((extrema[0] - 0.25).abs() < 1e-14 && (extrema[1] - 0.9).abs() < 1e-14);
-        };
-        [1.0, 3.0, 0.2].into_iter().for_each(scaled);
+        }
+        // (x - 1/2)² - 1/8, whose third difference is zero.
+        let parabola = interpolant([0.125, -1.0, 1.0, 0.0], 0.0, 1.0);
+        assert_eq!(parabola.lowest_inside(), Some(0.5));
     }
 
     #[test]

@@ -341,4 +341,38 @@ mod tests {
         assert!((size - (0.5f64 / 1.9).powf(0.2)).abs() < 1e-14);
         assert_eq!(chosen(2.1).0, 3);
     }
+
+    /// y' = y, with a derivative far from it in some evaluations from now on.
+    #[derive(Clone)]
+    struct Disturbed(u32);
+
+    impl OdeSystem for Disturbed {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+            dydt[0] = y[0];
+            if self.0 > 0 {
+                self.0 -= 1;
+                dydt[0] = 1e15;
+            }
+        }
+    }
+
+    #[test]
+    fn three_failures_of_a_step_reduce_its_order_to_one() {
+        let mut adams = Adams::new(1, control(1e-8));
+        adams.restart(0.0, &[1.0]);
+        for _ in 0..60 {
+            adams.step(&mut Disturbed(0)).unwrap();
+        }
+        let rejected = adams.counts().rejected;
+        // Lower orders are not better at the first failures: all errors are those of the disturbance.
+        for failures in [1, 2, 3] {
+            let mut adams = adams.clone();
+            let step = adams.step(&mut Disturbed(failures)).unwrap();
+            assert_eq!(step.order == 1, failures == 3, "{failures}");
+            assert!(adams.counts().rejected >= rejected + u64::from(failures));
+        }
+    }
 }

@@ -225,6 +225,10 @@ mod tests {
         // Derivatives that are large and do not change are no error.
         vectors.derivative[..3].copy_from_slice(&[1.0, -2.0, 3.5]);
         assert_eq!(history.worst_component(&norm, &vectors, 3), 2);
+        // Changes of 1, 1 and 2; quotients of the derivatives would be 2, 0.5 and 1.7.
+        norm.inverse_weight[..3].fill(1.0);
+        vectors.derivative[..3].copy_from_slice(&[2.0, -1.0, 5.0]);
+        assert_eq!(history.worst_component(&norm, &vectors, 3), 2);
         // Only controlled components count, and one that is not a number comes first.
         assert_eq!(history.worst_component(&norm, &vectors, 0), 0);
         vectors.derivative[1] = f64::NAN;
@@ -253,5 +257,18 @@ mod tests {
         assert!(changed(MAX_ORDER, MAX_ORDER + 1));
         assert!(!changed(MAX_ORDER + 1, 0));
         assert!(!changed(0, MAX_ORDER + 2));
+    }
+
+    #[test]
+    fn the_implicit_weight_of_equal_steps_is_that_of_adams_and_moulton() {
+        let mut history = History::new(1);
+        let mut step = NextStep::new();
+        step.size = 0.5;
+        for (order, share) in [(1, 1.0), (2, 0.5), (3, 5.0 / 12.0)] {
+            step.order = order;
+            history.update_coefficients(&step);
+            (history.last_order, history.last_step_size) = (order, step.size);
+            assert!((history.gamma(&step) - 0.5 * share).abs() < 1e-15);
+        }
     }
 }

@@ -425,7 +425,7 @@ mod tests {
 
     #[test]
     fn one_pass_predicts_velocities_and_first_iterate_with_the_newest_difference() {
-        let (width, step, beta, g) = (2 * N + 2, 0.7, 1.3, [1.0, 0.5]);
+        let (width, step, beta, g) = (2 * N + 2, 0.7, 1.3, [0.9, 0.5]);
         let rows = [4.0, 5.0, 6.0].map(|seed| numbers(seed, width));
         let y = numbers(7.0, 2 * N);
         // φ with the newest difference, then φ* and p by the formulas of Shampine and Gordon.

@@ -189,7 +189,7 @@ fn undisturbed() -> (Adams, Disturbed) {
 fn three_failures_of_a_step_reduce_its_order_to_one() {
     let (adams, system) = undisturbed();
     let (order, size) = (adams.next.order, adams.next.size);
-    // Matrices that are singular, and errors far above the tolerance; the last failure decides.
+    // Matrices that are singular, and errors so far above the tolerance that the step falls by its smallest factor.
     let disturbed = |evaluations: u32, singular: u32| Disturbed {
         evaluations,
         singular,
@@ -203,6 +203,7 @@ fn three_failures_of_a_step_reduce_its_order_to_one() {
         (disturbed(1, 0), 1),
         (disturbed(2, 0), 2),
         (disturbed(3, 0), 3),
+        // The first disturbed evaluation is that with the singular matrix.
         (disturbed(2, 1), 2),
     ];
     for (mut system, failures) in cases {
@@ -428,4 +429,24 @@ fn a_step_that_cannot_be_shorter_names_the_component_with_the_largest_error() {
     // Rates of the coordinates are the velocities of the last iterate.
     assert_eq!(adams.vectors.derivative[0], adams.vectors.trial[1]);
     assert!(adams.next.steps_until_growth == STEPS_UNTIL_GROWTH && !adams.next.growing);
+}
+
+#[test]
+fn explicit_steps_are_considered_where_the_choice_is_automatic() {
+    for corrector in [Corrector::Auto, Corrector::Newton] {
+        let control = StepControl {
+            corrector,
+            accuracy: 1e-6,
+            max_step: 1e-3,
+            ..StepControl::default()
+        };
+        let mut system = started(1e-6, f64::INFINITY).1;
+        let mut adams = Adams::new(3, control);
+        adams.restart(0.0, &[1.0, 0.0, 0.0]);
+        let before = adams.clone();
+        adams.step_newton(&mut system).unwrap();
+        // What was recorded is kept with the state.
+        let unchanged = format!("{:?}", adams.switching) == format!("{:?}", before.switching);
+        assert_eq!(unchanged, corrector == Corrector::Newton);
+    }
 }
