@@ -240,7 +240,7 @@ mod tests {
         }
     }
 
-    /// y_i = t^(i+1).
+    /// `y_i` = t^(i+1).
     struct Powers;
 
     impl OdeSystem for Powers {
