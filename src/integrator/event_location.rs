@@ -373,6 +373,17 @@ mod tests {
     }
 
     #[test]
+    fn a_minimum_of_zero_and_one_at_an_end_of_the_step_are_no_separation() {
+        // (x - 1/2)², x² - 1 and (x - 1)² - 1, whose minima are exact.
+        let touching = interpolant([0.25, -1.0, 1.0, 0.0], 0.0, 1.0);
+        assert_eq!(touching.minimum_inside(), Some(0.5));
+        assert_eq!(touching.lowest_inside(), None);
+        let at_start = interpolant([-1.0, 0.0, 1.0, 0.0], 0.0, 1.0);
+        let at_end = interpolant([0.0, -2.0, 1.0, 0.0], 0.0, 1.0);
+        assert_eq!([at_start, at_end].map(|c| c.minimum_inside()), [None; 2]);
+    }
+
+    #[test]
     fn the_first_guess_is_the_middle_where_the_value_is_zero_at_the_low_end() {
         // t (t - 0.25)(t + 1)
         let cubic = interpolant([0.0, -0.25, 0.75, 1.0], 0.0, 1.0);

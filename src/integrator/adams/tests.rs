@@ -152,6 +152,10 @@ fn tolerances_below_rounding_name_the_component_and_the_factor() {
         failure,
         StepFailure::ToleranceTooSmall { component: 0, .. }
     ));
+    // A rounding of exactly half of the tolerance is permitted.
+    let mut exact = started(&[1.0, 0.0, 0.0]);
+    exact.norm.inverse_weight[..3].fill(SAFE_ERROR / ROUNDING);
+    assert!(exact.check_tolerances(3).is_ok());
     // Checked again after sixteen steps only.
     adams.starting = false;
     adams.counts.steps = 15;
