@@ -390,4 +390,21 @@ mod tests {
         assert_eq!(cubic.upward_root(0.0), 0.5);
         assert_eq!(cubic.upward_root(0.25), 0.625);
     }
+
+    #[test]
+    fn the_first_guess_is_inside_the_bracket_of_any_crossing() {
+        for above in [1e-3, 1.0, 1e3] {
+            for first in [-300.0, -5.0, 0.0, 5.0, 300.0] {
+                for rate in [-300.0, -5.0, 0.0, 5.0, 300.0] {
+                    let cubic = Cubic::through([-1.0, first], [above, rate], 1.0);
+                    let low = cubic.lowest_inside().unwrap_or(0.0);
+                    let guess = cubic.upward_root(low);
+                    assert!(
+                        guess > low && guess < 1.0,
+                        "{above} {first} {rate}: {guess}"
+                    );
+                }
+            }
+        }
+    }
 }
