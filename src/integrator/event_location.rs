@@ -393,9 +393,10 @@ mod tests {
 
     #[test]
     fn the_first_guess_is_inside_the_bracket_of_any_crossing() {
-        for above in [1e-3, 1.0, 1e3] {
-            for first in [-300.0, -5.0, 0.0, 5.0, 300.0] {
-                for rate in [-300.0, -5.0, 0.0, 5.0, 300.0] {
+        let rates = [-3000.0, -300.0, -5.0, 0.0, 5.0, 300.0, 3000.0];
+        for above in [1e-3, 1.0, 20.0, 1e3] {
+            for first in rates {
+                for rate in rates {
                     let cubic = Cubic::through([-1.0, first], [above, rate], 1.0);
                     let low = cubic.lowest_inside().unwrap_or(0.0);
                     let guess = cubic.upward_root(low);
