@@ -408,4 +408,21 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn an_exact_zero_at_which_a_contact_ends_is_no_onset() {
+        // The ends are those of a cubic with its root in the middle: bisection of the rest gives a first guess of 3/4, where contact ends.
+        let depth = |t: f64| {
+            if t == 0.0 || t == 1.0 {
+                return [2.0 * t - 1.0, 3.0];
+            }
+            let [a, b, c] = [t - 0.6, t - 0.75, t - 0.9];
+            [a * b * c, a * b + a * c + b * c]
+        };
+        let ([t, rate], _) = crossing(depth, 0.0, 1.0);
+        assert!(
+            (t - 0.9).abs() < 1e-12 && (rate - 0.045).abs() < 1e-9,
+            "{t} {rate}"
+        );
+    }
 }
