@@ -194,21 +194,21 @@ mod tests {
             (0.15, 7),
             (0.15, 7),
         ] {
-            let mut anew = c.clone();
+            let mut fresh = c.clone();
             c.update(h, order, last.0, last.1);
             // A last size that is none: nothing is continued.
-            anew.update(h, order, f64::NAN, last.1);
+            fresh.update(h, order, f64::NAN, last.1);
             for i in 0..=order {
-                assert!((c.g[i] - anew.g[i]).abs() < 1e-14, "{order} {i}");
+                assert!((c.g[i] - fresh.g[i]).abs() < 1e-14, "{order} {i}");
                 assert!(
-                    (c.sigma[i] / anew.sigma[i] - 1.0).abs() < 1e-13,
+                    (c.sigma[i] / fresh.sigma[i] - 1.0).abs() < 1e-13,
                     "{order} {i}"
                 );
             }
             for i in 0..order {
-                assert!((c.psi[i] - anew.psi[i]).abs() < 1e-14, "{order} {i}");
+                assert!((c.psi[i] - fresh.psi[i]).abs() < 1e-14, "{order} {i}");
                 assert!(
-                    (c.beta[i] / anew.beta[i] - 1.0).abs() < 1e-13,
+                    (c.beta[i] / fresh.beta[i] - 1.0).abs() < 1e-13,
                     "{order} {i}"
                 );
             }

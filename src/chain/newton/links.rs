@@ -70,7 +70,7 @@ impl LinkTerms {
                 }
             }
             if let Some(group) = groups.get_mut(whole.len()) {
-                // In vectors: single numbers could not be forwarded to the vector that reads them next.
+                // As vectors: the load of a vector waits for stores of single numbers in it.
                 let rest = Entries::of(simd, rest);
                 for part in parts::<S>() {
                     group.free[axis].put(part, rest.at(part));

@@ -29,6 +29,13 @@ fn started(y: &[f64; 3]) -> Adams {
     adams
 }
 
+/// Set the weights and make the start of the first step.
+fn begin(adams: &mut Adams, system: &mut impl OdeSystem) {
+    let state = (&adams.vectors.y[..], true);
+    (adams.norm).update(adams.instructions, &adams.control, system, state);
+    adams.start(system);
+}
+
 #[test]
 fn an_integrator_with_other_lengths_or_no_valid_state_is_not_like_one() {
     let like = Adams::new(3, by_component(1e-6));
@@ -88,13 +95,7 @@ fn the_first_step_follows_the_time_scale_of_the_solution() {
         adams.control.rtol = 0.0;
         adams.control.atol = 1e9;
         adams.control.max_step = 1e9;
-        adams.norm.update(
-            adams.instructions,
-            &adams.control,
-            &Circle,
-            (&adams.vectors.y, true),
-        );
-        adams.start(&mut Circle);
+        begin(&mut adams, &mut Circle);
         adams.step_size()
     };
     let y = [3.0, 4.0, 12.0];
@@ -108,13 +109,7 @@ fn sums_are_compensated_where_the_tolerance_is_less_than_a_hundred_roundings() {
         let mut adams = started(&[3.0, 4.0, 0.0]);
         adams.control.rtol = 0.0;
         adams.control.atol = tolerance;
-        adams.norm.update(
-            adams.instructions,
-            &adams.control,
-            &Circle,
-            (&adams.vectors.y, true),
-        );
-        adams.start(&mut Circle);
+        begin(&mut adams, &mut Circle);
         adams.history.differences.compensates()
     };
     // Half of the tolerance over the rounding of a solution of size five.
@@ -232,13 +227,7 @@ fn the_first_step_without_any_slope_is_a_second_long() {
     for y in [[0.0; 3], [1.0, 0.0, 0.0]] {
         let mut adams = started(&y);
         adams.control.max_step = 1e9;
-        adams.norm.update(
-            adams.instructions,
-            &adams.control,
-            &Still,
-            (&adams.vectors.y, true),
-        );
-        adams.start(&mut Still);
+        begin(&mut adams, &mut Still);
         assert_eq!(adams.step_size(), 1.0);
     }
 }

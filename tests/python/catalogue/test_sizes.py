@@ -13,7 +13,7 @@ POUND_FORCE = 4.4482216152605  # [N]
 
 
 def made(name):
-    """Return a size from the file, made anew as at the import, and its lengths in mm."""
+    """Return a size from the file, made again as at the import, and its lengths in mm."""
     (size,) = (size for size in _sizes() if size.name == name)
     lengths = {
         field.name: 1e3 * getattr(size, field.name)
