@@ -26,7 +26,6 @@ use std::sync::Arc;
 pub use bristles::{Bristles, Stored};
 pub use checkpoint::Checkpoint;
 use contact_events::{ContactEvents, Pair};
-use energy_quadrature::StepEnds;
 pub use evaluation::Evaluation;
 use inputs::Inputs;
 use law_ranges::PastRanges;
@@ -65,8 +64,6 @@ pub struct Dynamics {
     powers: Powers,
     quadrature: EnergyQuadrature<Powers>,
     inputs: Inputs,
-    /// Both ends of the metered step, or the start of the next one.
-    ends: StepEnds,
     events: ContactEvents,
     past_ranges: PastRanges,
     /// Scratch: derivative of the state.
@@ -96,7 +93,6 @@ impl Dynamics {
             powers: Powers::default(),
             quadrature: EnergyQuadrature::new(),
             inputs: Inputs::new(&model),
-            ends: StepEnds::new(2 * model.coordinates),
             events: ContactEvents::new(&model),
             past_ranges: PastRanges::default(),
             slope: vec![0.0; 2 * model.coordinates],
