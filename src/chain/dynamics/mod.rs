@@ -135,11 +135,8 @@ impl Dynamics {
     /// Write the accelerations at (`t`, `y`) of all coordinates.
     fn accelerate(&mut self, t: f64, y: &[f64], accelerations: &mut [f64]) {
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
-        if self.keeps_energy {
-            self.powers = kernels.accelerations::<true>(model, memory, t, y, accelerations);
-        } else {
-            kernels.accelerations::<false>(model, memory, t, y, accelerations);
-        }
+        kernels.keep_powers(self.keeps_energy);
+        self.powers = kernels.accelerations(model, memory, t, y, accelerations);
     }
 
     /// Evaluate the right-hand side at (`t`, `y`) and discard the derivative.
