@@ -54,13 +54,13 @@ impl WithSimd for CubicPath<'_> {
 impl Adams {
     /// Write the solution at a `part` of the last step into the padded `y`, by the cubic; valid until the next prediction.
     pub(crate) fn write_cubic(&self, part: f64, y: &mut [f64]) {
-        let (predicted, newest) = self.history.differences.rows_of_last_step();
+        let (phi_1, phi_2, newest) = self.history.differences.rows_of_last_step();
         self.instructions.run(CubicPath {
             part,
             length: self.history.last_step_size,
             // An accepted step swaps the solution with its trial value.
             ends: [&self.vectors.trial, &self.vectors.y],
-            predicted,
+            predicted: (phi_1, phi_2),
             newest,
             y,
         });
@@ -71,7 +71,7 @@ impl Adams {
 impl Adams {
     /// Return the slopes of the cubic at the start and at the end of the last step.
     pub(crate) fn slopes_of_last_step(&self) -> [Vec<f64>; 2] {
-        let ((phi_1, phi_2), newest) = self.history.differences.rows_of_last_step();
+        let (phi_1, phi_2, newest) = self.history.differences.rows_of_last_step();
         let all = 0..self.vectors.dimension;
         let at_start = |i: usize| phi_1[i] - phi_2.map_or(0.0, |row| row[i]);
         [
@@ -88,7 +88,7 @@ mod tests {
 
     const NQ: usize = 11;
 
-    /// x_i'' = i cos t.
+    /// The acceleration of coordinate i is i cos t.
     struct Swings;
 
     impl OdeSystem for Swings {

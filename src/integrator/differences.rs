@@ -187,9 +187,9 @@ impl Differences {
     }
 
     /// Return φ*_1 and, above order one, φ*_2 of the last step, and its newest difference; valid until the next prediction.
-    pub(super) fn rows_of_last_step(&self) -> ((&[f64], Option<&[f64]>), &[f64]) {
+    pub(super) fn rows_of_last_step(&self) -> (&[f64], Option<&[f64]>, &[f64]) {
         let phi_2 = (self.newest > 1).then(|| self.row(1));
-        ((self.row(0), phi_2), self.row(self.newest))
+        (self.row(0), phi_2, self.row(self.newest))
     }
 
     /// Replace φ* by φ after a rejected step.

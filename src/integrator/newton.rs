@@ -242,7 +242,8 @@ impl Adams {
 /// Return the next step size at order one or two, from the error: `h SAFETY / error^(1/(k+1))`, or h where the change is small.
 fn low_order_step(h: f64, order: usize, error: f64) -> f64 {
     // Powers in place of roots decide whether the size is kept: cube roots are slow, and most steps keep it.
-    let [largest, smallest] = KEPT.map(|change| (SAFETY / change).powi(order as i32 + 1));
+    let power = |root: f64| root * root * if order == 1 { 1.0 } else { root };
+    let [largest, smallest] = KEPT.map(|change| power(SAFETY / change));
     if smallest < error && error <= largest {
         return h;
     }
