@@ -134,19 +134,12 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
             }
         }
         let [x, y, moment, dissipated] = &teeth.sums;
-        let total = |wanted: bool, sums: &PartialSums| {
-            if wanted && teeth.powers {
-                sums.total()
-            } else {
-                0.0
-            }
-        };
         TeethFound {
             force: [x.total(), y.total()],
             moment: moment.total(),
             changed: teeth.changed,
-            dissipated: total(DAMPED, dissipated),
-            friction_power: total(FRICTION, &teeth.friction_power),
+            dissipated: dissipated.total_if(self.powers && DAMPED),
+            friction_power: teeth.friction_power.total_if(self.powers && FRICTION),
         }
     }
 }

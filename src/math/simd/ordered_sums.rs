@@ -28,6 +28,12 @@ impl PartialSums {
         put_part(&mut self.0, part, values + sum);
     }
 
+    /// Return the sum if it is `wanted`, else zero.
+    #[inline(always)]
+    pub(crate) fn total_if(&self, wanted: bool) -> f64 {
+        if wanted { self.total() } else { 0.0 }
+    }
+
     /// Return the sum, in the same order for all widths.
     #[inline(always)]
     pub(crate) fn total(&self) -> f64 {

@@ -208,19 +208,13 @@ impl<
     /// Return the results besides the forces.
     #[inline(always)]
     pub(super) fn found(&self) -> ChainFound {
-        let total = |wanted: bool, sums: &PartialSums| {
-            if wanted && self.powers {
-                sums.total()
-            } else {
-                0.0
-            }
-        };
+        let powers = self.powers;
         ChainFound {
             moved_squared: self.moved_squared.greatest(),
             changed: self.changed,
-            dissipated: total(DAMPED, &self.power),
-            friction_power: total(FRICTION, &self.friction_power),
-            film_power: total(EXTRA, &self.film_power),
+            dissipated: self.power.total_if(powers && DAMPED),
+            friction_power: self.friction_power.total_if(powers && FRICTION),
+            film_power: self.film_power.total_if(powers && EXTRA),
         }
     }
 
