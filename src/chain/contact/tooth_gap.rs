@@ -197,15 +197,29 @@ mod tests {
     }
 
     #[test]
+    fn a_place_is_seen_from_the_centre_of_the_teeth_in_the_frame_of_the_sprocket() {
+        let model = model();
+        let (here, sprocket) = (frame(0.0), &model.sprockets[1]);
+        for place in [
+            Vec2::zeros(),
+            Vec2::new(0.03, -0.01),
+            Vec2::new(-0.02, 0.04),
+        ] {
+            let arm = on_ground(&here, sprocket.offset + place) - here.center;
+            assert!((seen_from_teeth(sprocket, &here, arm) - place).norm() < 1e-16);
+        }
+    }
+
+    #[test]
     fn the_contact_is_that_of_the_profile_in_the_nearest_gap() {
         let model = model();
         let sprocket = &model.sprockets[1];
         assert!(sprocket.offset.norm() > 1e-5);
         let here = frame(0.0);
         let mut next = random(5);
-        for _ in 0..3000 {
-            let (gap, across) = ((10.5 * (1.0 + next())).floor(), 0.45 * next());
-            let place = near_teeth(sprocket, gap + across, 2e-3 * next());
+        for gap in (0..21).cycle().take(3000) {
+            let (number, across) = (f64::from(gap), 0.45 * next());
+            let place = near_teeth(sprocket, number + across, 2e-3 * next());
             let found = bushing_on_sprocket(
                 sprocket,
                 &here,
@@ -214,13 +228,13 @@ mod tests {
                 RADIUS,
             )
             .unwrap();
-            assert_eq!(found.gap, (gap as u32) % 21);
+            assert_eq!(found.gap, gap);
             // The gap along y of its own frame, seen by turning the sprocket back.
             let own = on_ground(
                 &SprocketFrame::new(
                     Vec2::zeros(),
                     Vec2::zeros(),
-                    std::f64::consts::FRAC_PI_2 - gap * sprocket.profile.gap_angle(),
+                    std::f64::consts::FRAC_PI_2 - number * sprocket.profile.gap_angle(),
                     0.0,
                 ),
                 place - sprocket.offset,
@@ -311,13 +325,24 @@ mod tests {
         let sprocket = &model.sprockets[1];
         let here = frame(0.0);
         for gap in 0..21u32 {
-            for place in [-2.6, -1.4, -0.6, -0.4, 0.0, 0.4, 0.6, 1.4, 2.6] {
-                let point = on_ground(&here, near_teeth(sprocket, f64::from(gap) + place, 1e-3));
+            // Gaps ahead and the position beside their middle.
+            let beside = [
+                (18, 0.4),
+                (20, -0.4),
+                (20, 0.4),
+                (0, -0.4),
+                (0, 0.0),
+                (0, 0.4),
+                (1, -0.4),
+            ];
+            for (ahead, part) in beside {
+                let place = f64::from(gap + ahead) + part;
+                let point = on_ground(&here, near_teeth(sprocket, place, 1e-3));
                 let velocity = Vec2::new(0.7, 0.3);
                 let exact = bushing_on_sprocket(sprocket, &here, point, velocity, RADIUS).unwrap();
                 let found = bushing_near_gap(sprocket, &here, point, velocity, RADIUS, gap);
-                let nearest = (f64::from(gap) + place).round().rem_euclid(21.0);
-                assert_eq!((found.gap, exact.gap), (nearest as u32, nearest as u32));
+                let nearest = (gap + ahead) % 21;
+                assert_eq!((found.gap, exact.gap), (nearest, nearest));
                 assert_eq!(found.contact, exact.contact);
             }
         }

@@ -149,7 +149,7 @@ fn middle_of(seated: &[Seated], links: usize) -> Option<&Seated> {
     let count = seated.len();
     let break_behind = |&i: &usize| {
         let next = seated[(i + 1) % count].bushing;
-        (next + links - seated[i].bushing - 1) % links
+        (next + links - seated[i].bushing) % links
     };
     let last = (0..count).max_by_key(break_behind)?;
     seated.get((last + 1 + count / 2) % count)
@@ -185,6 +185,9 @@ mod tests {
         assert_eq!(middle(&[3, 4, 5, 6, 7], 38), Some(5));
         assert_eq!(middle(&[0, 1, 2, 36, 37], 38), Some(0));
         assert_eq!(middle(&[9], 38), Some(9));
+        // Of two, the second one along the chain.
+        assert_eq!(middle(&[0, 1], 38), Some(1));
+        assert_eq!(middle(&[0, 37], 38), Some(0));
         assert_eq!(middle(&[], 38), None);
     }
 
@@ -216,10 +219,11 @@ mod tests {
         let teeth = i64::from(model.sprockets[s].profile.teeth);
         // Numbers from 36 on, over the end of the chain.
         let of = |i: usize| {
-            let gap = if rises { i as i64 } else { -(i as i64) } + moved(i);
+            let number = i64::try_from(i).unwrap();
+            let gap = if rises { number } else { -number } + moved(i);
             Seated {
                 bushing: (36 + i) % 40,
-                gap: gap.rem_euclid(teeth) as u32,
+                gap: u32::try_from(gap.rem_euclid(teeth)).unwrap(),
             }
         };
         let mut seated: Vec<Seated> = (0..9).map(of).collect();
@@ -257,6 +261,26 @@ mod tests {
             record.lose_seatings();
             look(&mut record, &model, (0.6, s), rises, |_| 5);
             assert_eq!(record.jumps().len(), 3);
+        }
+    }
+
+    #[test]
+    fn gap_numbers_rise_along_a_chain_that_runs_counterclockwise_about_its_sprocket() {
+        let (model, _) = compiled(&drive());
+        for k in [0, 5, 39] {
+            // The neighbours of the middle bushing decide, also where they are not symmetric to it.
+            for (before, after) in [(-0.3, 0.3), (-0.3, -0.01), (0.01, 0.3)] {
+                for rises in [true, false] {
+                    let mut record = ToothJumps::new(&model);
+                    let sign = if rises { 1.0 } else { -1.0 };
+                    record.look(&model, (0.0, 0), &seated(&[(k, 3)]), |bushing| {
+                        let angles = [((k + 39) % 40, before), (k, 0.0), ((k + 1) % 40, after)];
+                        let found = angles.iter().find(|(number, _)| *number == bushing);
+                        found.map_or(Vec2::repeat(f64::NAN), |(_, angle)| unit(sign * angle))
+                    });
+                    assert_eq!(record.seatings[0].unwrap().rises, rises, "{k} {before}");
+                }
+            }
         }
     }
 

@@ -526,6 +526,7 @@ mod tests {
             (Place::Deep, -0.5, FROM_FRONT, true),
             (Place::Deep, -0.01, IN_CONTACT, false),
             (Place::Deep, -0.049, none, true),
+            (Place::Deep, -0.05, none, false),
             (Place::Deep, -0.051, none, false),
             (Place::Deep, -0.01, Memory::BEHIND, false),
             (Place::Front, 0.05, none, true),

@@ -449,8 +449,13 @@ mod tests {
         );
         assert_eq!(dynamics.contacts.memory[0], memory);
         assert_eq!(dynamics.onsets.numbers.all, 1);
-        let (mut dynamics, adams, _, last) = run();
+        let (mut dynamics, mut adams, _, last) = run();
         roll_back(&mut dynamics, &adams, last.end);
+        assert!(dynamics.contacts.memory[0].is_empty());
+        assert_eq!(dynamics.onsets.numbers.all, 1);
+        // A return to a time after the contact has no part in its onset.
+        let last = step(&mut dynamics, &mut adams);
+        roll_back(&mut dynamics, &adams, 0.5 * (last.start + last.end));
         assert!(dynamics.contacts.memory[0].is_empty());
         assert_eq!(dynamics.onsets.numbers.all, 1);
     }

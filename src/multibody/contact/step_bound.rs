@@ -358,6 +358,12 @@ mod tests {
             assert!(free(velocity, acceleration, 0.999_999 * within).is_infinite());
             assert!(free(velocity, acceleration, 1.000_001 * within).is_finite());
         }
+        // Exactly a quarter of the radius is not less.
+        let half = super::super::tests::model(vec![contact(Profile::Disc { radius: 0.5 }, 0.5)]);
+        let ball = [[0.0, 3.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3]];
+        let all = frames(&at_rest(), &ball, 0.0);
+        let found = only(&half).free_time(&all, [[0.0; 3]; 2], &states, 0.125);
+        assert_eq!(found, 2.0);
         // In contact, the circle may move by a quarter of its radius.
         let ball = [[0.0, 0.29, 0.0], [0.0, 2.0, 0.0], [0.0; 3]];
         let mut states = states;
@@ -390,8 +396,10 @@ mod tests {
             ..SideState::default()
         };
         let gap = |x: f64, y: f64, states: &[SideState]| {
-            let ball = [[x, y, 0.0], [0.0; 3], [0.0; 3]];
-            only(&model).gap(&frames(&at_rest(), &ball, 0.0), states)
+            // The outline is at (3, -2).
+            let block = [[3.0, -2.0, 0.0], [0.0; 3], [0.0; 3]];
+            let ball = [[3.0 + x, y - 2.0, 0.0], [0.0; 3], [0.0; 3]];
+            only(&model).gap(&frames(&block, &ball, 0.0), states)
         };
         let states = [side(-0.3), side(-0.2)];
         // Within the circle that encloses the outline, the sides have the gap; beyond it, that circle.

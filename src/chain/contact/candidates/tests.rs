@@ -209,13 +209,13 @@ fn candidates_are_all_bushings_within_reach_and_margin_each_in_its_nearest_gap()
                     constants
                 );
             }
-            for k in 0..n {
+            for (k, listed) in listed.iter().enumerate() {
                 let distance = (Vec2::new(places.x[k], places.y[k]) - center).norm();
                 let has_memory = memory.tooth_impact_velocity[s * n + k] > 0.0;
                 if distance < sprocket.reach + model.half_pitch || has_memory {
-                    assert!(listed[k].is_some(), "{s} {k}");
+                    assert!(listed.is_some(), "{s} {k}");
                 }
-                if listed[k].is_none() {
+                if listed.is_none() {
                     assert_eq!(of_sprocket.slot_of(k, n), None);
                     assert_eq!(candidates.gap(&model, s, k), None);
                 }
@@ -395,4 +395,16 @@ fn a_copy_and_a_restored_checkpoint_are_the_same_list() {
     );
     assert!(!restored.hold(0.0, |s| places.frames[s].0));
     assert_eq!(restored.refreshes(), 1);
+}
+
+#[test]
+fn the_reserved_slots_suffice_where_all_bushings_are_near() {
+    let (model, _) = compiled(&drive());
+    let mut places = places(&model, 6);
+    places.x.fill(model.sprockets[0].center.x);
+    places.y.fill(model.sprockets[0].center.y);
+    let candidates = refreshed(&model, &memory_of(&model), &places);
+    let slots = candidates.sprockets[0].gap.len();
+    assert_eq!(slots, padded(model.links));
+    assert!(slots <= Candidates::most_slots(&model));
 }

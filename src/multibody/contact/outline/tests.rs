@@ -457,14 +457,14 @@ fn arcs_have_one_part_for_each_quarter_turn_and_are_met_all_round() {
         (1.9 * PI, 4),
     ] {
         for turn in [turn, -turn] {
-            let piece = arc(0.0, 0.5, 0.4, 0.4 + turn);
+            let piece = arc(0.3, 0.5, 0.4, 0.4 + turn);
             let outline = Outline::new(&[piece], false, 0.1);
             assert_eq!(outline.parts.len(), parts, "{turn}");
             for k in 1..100 {
                 let angle = 0.4 + 0.01 * f64::from(k) * turn;
                 // A convex arc is met from outside, a concave one from inside.
                 let distance = if turn > 0.0 { 0.57 } else { 0.43 };
-                let point = distance * Vec2::new(angle.cos(), angle.sin());
+                let point = Vec2::new(0.0, 0.3) + distance * Vec2::new(angle.cos(), angle.sin());
                 let found = points_of(&outline, point, 0.1);
                 let met = found.iter().filter(|b| (b.distance - 0.07).abs() < 1e-14);
                 assert_eq!(met.count(), 1, "{turn} {angle}");
@@ -541,9 +541,54 @@ fn near_points_are_those_within_two_radii_unless_there_are_none() {
             {
                 assert_eq!(near, all);
             } else {
+                assert!(near.iter().all(|b| b.distance.abs() <= NEAR * radius));
                 let near: Vec<_> = near.iter().filter(within).copied().collect();
                 assert_eq!(near, exact, "{point} {radius}");
             }
         }
     }
+}
+
+#[test]
+fn past_either_end_of_a_line_a_circle_is_in_front_or_behind_by_the_side_of_its_centre() {
+    let line = Outline::new(&polyline(&[(1.0, 0.0), (-1.0, 0.0)], false), false, 0.1);
+    for x in [1.05, -1.05] {
+        let places = |y: f64| {
+            let found = points_of(&line, Vec2::new(x, y), 0.1);
+            let mut places: Vec<_> = found.iter().map(|b| (b.place, b.distance)).collect();
+            places.sort_by(|a, b| a.1.total_cmp(&b.1));
+            places
+        };
+        let far = f64::hypot(0.05, 0.02);
+        let assert_places = |found: &[(Place, f64)], expected: &[(Place, f64)]| {
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(expected) {
+                assert!(found.0 == expected.0 && (found.1 - expected.1).abs() < 1e-15);
+            }
+        };
+        // The other end is no minimum of the distance.
+        assert_places(&places(0.02), &[(Place::EndFront, far)]);
+        assert_places(
+            &places(-0.02),
+            &[(Place::DeepAtEnd, -0.02), (Place::EndBack, far)],
+        );
+    }
+}
+
+#[test]
+fn a_bend_below_rounding_bears_as_one_line() {
+    // Both feet and the corner are at the same distance to rounding.
+    let bent = Outline::new(
+        &polyline(&[(1.0, 1e-9), (0.0, 0.0), (-1.0, 1e-9)], false),
+        false,
+        0.2,
+    );
+    let found = points_of(&bent, Vec2::new(0.0, 0.1), 0.2);
+    assert_eq!(found.len(), 4);
+    assert!(
+        found
+            .iter()
+            .all(|b| b.distance == 0.1 && b.weight_gradient == Vec2::zeros())
+    );
+    assert_eq!(found.iter().map(|b| b.weight).sum::<f64>(), 1.0);
 }
