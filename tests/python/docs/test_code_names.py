@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 
 import pytest
-import tomllib
 
+tomllib = pytest.importorskip("tomllib", reason="Python 3.11")
 ROOT = Path(__file__).parents[3]
 PAGES = sorted(
     page for folder in ("theory", "development") for page in (ROOT / "docs" / folder).glob("*.md")

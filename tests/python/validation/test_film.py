@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.sparse import diags_array, eye_array, kron
 from scipy.sparse.linalg import spsolve
 
 import rustchain as rc
@@ -14,6 +13,9 @@ from checks.check import hold
 from checks.contacts import CLEARANCE, LENGTH, RADII, film_at
 from reference.compare import assert_within
 from reference.dynamics import DriveEquations
+
+pytest.importorskip("scipy", minversion="1.11")
+from scipy.sparse import diags_array, eye_array, kron  # noqa: E402
 
 LN = rc.LankaraniNikravesh()
 
