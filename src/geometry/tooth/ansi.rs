@@ -194,4 +194,66 @@ mod tests {
             }
         }
     }
+
+    /// Return the largest distance from the sprocket's centre at which a cylinder of `radius` touches a tooth before its centre line.
+    fn farthest_touching(profile: &ToothProfile, radius: f64) -> f64 {
+        let curves = profile.ansi_curves().unwrap();
+        let center = profile.center();
+        let axis = unit(PI / 2.0 - PI / f64::from(profile.teeth));
+        let flat_angle = (-curves.flat.normal.y).atan2(curves.flat.normal.x);
+        let seat_angle = curves.seat_end_tangent.x.atan2(curves.seat_end_tangent.y);
+        // Centres beside the working curve, the flat and the topping curve down to the far side of its circle.
+        let count = 20_000;
+        let shares = (0..=count).map(|i| f64::from(i) / f64::from(count));
+        let places = shares.flat_map(|share| {
+            let working = unit(-(seat_angle + share * (flat_angle - seat_angle)));
+            let topping = unit(PI - flat_angle - share * PI);
+            [
+                curves.working.center + (curves.working.radius - radius) * working,
+                curves.flat.start + share * curves.flat.length * curves.flat.tangent
+                    - radius * curves.flat.normal,
+                curves.topping.center + (curves.topping.radius + radius) * topping,
+            ]
+        });
+        places
+            .map(|place| place - center)
+            .filter(|place| place.perp(&axis) <= 0.0)
+            .map(|place| place.norm())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn beyond_its_reach_a_tooth_touches_no_cylinder() {
+        // Ordinary rollers, very thin ones, and rollers as large as the pitch with thin cylinders; shares of the pitch.
+        for (roller, radius) in [
+            (0.625, 0.3125),
+            (0.625, 0.1),
+            (0.3, 0.15),
+            (0.25, 0.1),
+            (0.9, 0.45),
+            (0.95, 0.05),
+            (0.98, 0.02),
+            (1.0, 0.01),
+        ] {
+            for teeth in [9, 17, 40, 120] {
+                for seat in [Seat::BottomDiameter, Seat::PitchCircle] {
+                    let profile = ToothProfile::ansi(1.0, roller, teeth, seat);
+                    let found = profile.reach(radius);
+                    let expected = farthest_touching(&profile, radius);
+                    let flat = profile.ansi_curves().unwrap().flat;
+                    let start = flat.start - radius * flat.normal - profile.center();
+                    if start.perp(&profile.axis()) > 0.0 {
+                        // The whole flat is behind the line: its start is an upper bound.
+                        assert!((found - start.norm()).abs() < 1e-14 && found > expected);
+                        continue;
+                    }
+                    // Half a step of the curves at a slope of one: 3 / 20,000.
+                    assert!(
+                        (found - expected).abs() < 1.5e-4,
+                        "{roller} {radius} {teeth}: {found} {expected}"
+                    );
+                }
+            }
+        }
+    }
 }

@@ -2,6 +2,8 @@
 
 pub(crate) mod ansi;
 pub(crate) mod arc;
+#[cfg(test)]
+pub(crate) mod checks;
 pub(crate) mod custom;
 pub(crate) mod flank;
 pub(crate) mod iso;

@@ -140,3 +140,67 @@ impl ToothProfile {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Blank, Seat};
+
+    fn paper() -> ToothProfile {
+        ToothProfile::ansi(12.7, 7.9375, 17, Seat::BottomDiameter)
+    }
+
+    #[test]
+    fn a_roller_of_the_chain_rolls_along_the_whole_gap() {
+        for teeth in [9, 17, 60] {
+            let p = ToothProfile::ansi(12.7, 7.9375, teeth, Seat::PitchCircle);
+            let seat = p.ansi_curves().unwrap().seating.radius;
+            for share in [0.2, 0.8, 0.999] {
+                assert_eq!(p.pinch(share * seat), None, "{teeth} {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_roller_larger_than_the_seat_penetrates_the_working_curves_beside_it() {
+        // Touching the bottom, its centre is higher than the seat's by the difference d of their radii.
+        let p = paper();
+        let curves = *p.ansi_curves().unwrap();
+        let seat = curves.seating.radius;
+        for share in [1.001, 1.02] {
+            let radius = share * seat;
+            let (surface, depth) = p.pinch(radius).unwrap();
+            assert_eq!(surface, Surface::SEATING);
+            let from_working = Vec2::new(0.0, radius - seat) - curves.working.center;
+            let expected = from_working.norm() + radius - curves.working.radius;
+            assert!((depth - expected).abs() < 1e-12, "{share}: {depth}");
+        }
+        // At one end of the seat it is 2 d cos² A = 1.224 d deep at the other one; 1e-4 of its radius are permitted.
+        assert_eq!(p.pinch((1.0 + 7.5e-5) * seat), None);
+        assert!(p.pinch((1.0 + 9e-5) * seat).is_some());
+    }
+
+    #[test]
+    fn a_roller_is_pinched_between_flanks_that_come_nearer_to_each_other() {
+        // Flanks at f towards the middle: at the end of the flank both are 2 X cos f apart at the roller's centre.
+        let blank = Blank {
+            pitch: 12.7,
+            roller_diameter: 8.0,
+            teeth: 17,
+            seat: Seat::PitchCircle,
+            outside_radius: 37.5,
+            edge_radius: 0.2,
+        };
+        let (seat, lean) = (4.0, 0.1_f64);
+        let p = ToothProfile::straight(&blank, seat, -lean).unwrap();
+        let end = p.whole()[1].end;
+        let radius = 3.9;
+        let place = end + radius * Vec2::new(-lean.cos(), -lean.sin());
+        // The lines have the distance 4 from the seat's centre, less the rise of the roller's centre.
+        let to_left = seat + place.x * lean.cos() - place.y * lean.sin();
+        let (surface, depth) = p.pinch(radius).unwrap();
+        assert_eq!(surface, Surface(1));
+        assert!((depth - (radius - to_left)).abs() < 1e-12, "{depth}");
+        assert_eq!(p.pinch(3.0), None);
+    }
+}
