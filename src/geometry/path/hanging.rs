@@ -257,26 +257,27 @@ mod tests {
     }
 
     #[test]
-    fn the_shape_does_not_depend_on_the_frame_nor_on_the_unit_of_force() {
+    fn the_shape_does_not_depend_on_the_frame_nor_on_units_of_length_and_force() {
         let links = links(21);
         let to = Vec2::new(1.3, 0.4);
         let found = hang(Vec2::zeros(), to, -Vec2::y(), &links).unwrap();
-        let heavy: Vec<_> = links
-            .iter()
-            .map(|link| HangingLink {
-                weight: 1e3 * link.weight,
-                ..*link
-            })
-            .collect();
-        for angle in [0.7, -2.0_f64] {
+        for (angle, unit) in [(0.7, 1.0), (-2.0_f64, 1e6), (0.0, 1e-6)] {
             let turn = |v: Vec2| {
                 let (sin, cos) = angle.sin_cos();
                 Vec2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y)
             };
-            let from = Vec2::new(5.0, -3.0);
-            let turned = hang(from, from + turn(to), turn(-Vec2::y()), &heavy).unwrap();
+            let heavy: Vec<_> = links
+                .iter()
+                .map(|link| HangingLink {
+                    weight: 1e3 * link.weight,
+                    length: unit * link.length,
+                })
+                .collect();
+            let from = unit * Vec2::new(5.0, -3.0);
+            let to = from + unit * turn(to);
+            let turned = hang(from, to, turn(-Vec2::y()), &heavy).unwrap();
             for (a, b) in found.points.iter().zip(&turned.points) {
-                assert!((turn(*a) + from - b).norm() < 1e-10);
+                assert!((unit * turn(*a) + from - b).norm() < 1e-10 * unit);
             }
             for (a, b) in found.tensions.iter().zip(&turned.tensions) {
                 assert!((1e3 * turn(*a) - b).norm() < 1e-8 * b.norm());
@@ -334,6 +335,7 @@ mod tests {
             (1.0, 1.3),
             (3.0, 1.0),
             (6.0, 3.0),
+            (12.8, 6.4),
         ] {
             let at = |x: f64| (x - lowest) / a;
             let length = a * (at(span).sinh() - at(0.0).sinh());
@@ -365,5 +367,39 @@ mod tests {
         }
         let laid = lay(Vec2::zeros(), tension, down, &links);
         assert!((laid.points[5] - reach - at(tension).0).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_chain_whose_ends_coincide_hangs_folded_in_its_middle() {
+        let links = [HangingLink {
+            length: 0.5,
+            weight: 1.0,
+        }; 4];
+        for down in [-Vec2::y(), Vec2::new(0.6, -0.8)] {
+            let found = hang(Vec2::zeros(), Vec2::zeros(), down, &links).unwrap();
+            for (point, depth) in found.points.iter().zip([0.0, 0.5, 1.0, 0.5, 0.0]) {
+                assert!((point - depth * down).norm() < 1e-9, "{found:?}");
+            }
+            // Each half bears its own weight; the hinge at the bottom bears up to half a link's.
+            assert!((found.tensions[0] - 2.0 * down).norm() <= 0.5 + 1e-9);
+            // The guess across the direction of gravity does not change the part along it.
+            let guess = first_guess(Vec2::zeros(), down, 2.0, 4.0);
+            assert!((guess.dot(&down) - 2.0).abs() < 1e-14 && guess.perp(&down) != 0.0);
+        }
+    }
+
+    #[test]
+    fn the_first_guess_of_a_nearly_taut_string_is_that_of_a_parabola() {
+        // Length s (1 + x²/6) over a span s, H = q s/2x; x is 1e-16/1e-12 of itself uncertain.
+        for (span, excess) in [(3.0, 1e-12_f64), (0.02, 1e-12), (3.0, 1e-4)] {
+            let length = span * (1.0 + excess);
+            let guess = first_guess(Vec2::new(span, 0.0), -Vec2::y(), length, 2.5 * length);
+            let expected = 2.5 * span / (2.0 * (6.0 * excess).sqrt());
+            assert!(
+                (guess.x / expected - 1.0).abs() < 1e-3,
+                "{guess} {expected}"
+            );
+            assert!((guess.y + 1.25 * length).abs() < 1e-9);
+        }
     }
 }

@@ -452,10 +452,48 @@ mod tests {
     #[test]
     fn the_end_angle_of_a_bow_is_that_of_its_circle() {
         // Height R (1 - cos a) over a chord 2 R sin a; beyond half a circle the angle is bounded.
-        for angle in [0.0_f64, 0.1, 1.0, 2.0, 3.0] {
+        assert_eq!(bow_angle(0.0, 1.0), 0.0);
+        for angle in [0.1_f64, 1.0, 2.0, 3.0] {
             let (sag, span) = (0.7 * (1.0 - angle.cos()), 1.4 * angle.sin());
             assert!((bow_angle(sag, span) - angle).abs() < 1e-13);
         }
         assert!((bow_angle(1.0, 0.0) - PI).abs() < 1e-15);
+    }
+
+    #[test]
+    fn links_of_all_strands_are_stretched_alike_where_the_slack_strand_keeps_a_bow() {
+        // A strand that takes a pitch less when its links are longer leaves slack in another one.
+        let mut bowed = 0;
+        let mut all = 0;
+        for i in 0..4000 {
+            let mut wheels = course(90).wheels;
+            wheels[1].center.x = 0.2 + 2.5e-5 * f64::from(i);
+            let course = WheelSequence::new(PITCH, 64, wheels).unwrap();
+            for turn in 0..9 {
+                let slack = turn % 3;
+                let shift = 0.1 * turn as f64 - 0.4;
+                let Some(polygon) = course.polygon(slack, shift, 1e-2) else {
+                    continue;
+                };
+                if polygon.stretch == 0.0 {
+                    continue;
+                }
+                let link = PITCH * (1.0 + polygon.stretch);
+                let spare = f64::from(polygon.strands[slack]) * link - polygon.spans[slack];
+                assert!(spare > -1e-15);
+                bowed += u32::from(spare > 1e-10);
+                all += 1;
+                let next = polygon.hinges.iter().zip(&polygon.seat_of).cycle().skip(1);
+                for ((a, from), (b, to)) in polygon.hinges.iter().zip(&polygon.seat_of).zip(next) {
+                    let expected = if from.is_some() && from == to {
+                        PITCH
+                    } else {
+                        link
+                    };
+                    assert!(((a - b).norm() - expected).abs() < 1e-12);
+                }
+            }
+        }
+        assert!(bowed > 0, "{bowed} {all}");
     }
 }

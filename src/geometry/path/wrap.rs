@@ -127,9 +127,6 @@ pub fn belt_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f
     }
     while high - low > 1e-15 * high {
         let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
         if excess(middle) > 0.0 {
             high = middle;
         } else {
@@ -530,5 +527,24 @@ mod tests {
             .collect();
         assert_eq!(strands, [[2, 1], [1, 2]]);
         assert_eq!(splits_at(PITCH, [16, 16], 12, PITCH, Strand::Upper), []);
+    }
+
+    #[test]
+    fn a_chain_short_by_2e_12_of_its_distance_is_stretched_and_one_short_by_less_is_taut() {
+        let split = Split {
+            seated: [8, 8],
+            strands: [20, 20],
+        };
+        let taut = 20.0 * PITCH;
+        let at = |distance: f64| {
+            path_at(PITCH, wheels([16, 16]), split, distance, Strand::Lower).unwrap()
+        };
+        // Equal strands have half of the length that is missing.
+        let stretched = at(taut * (1.0 + 4e-12));
+        for slack in stretched.slack {
+            assert!((slack + 4e-12 * taut).abs() < 1e-13 * taut, "{slack}");
+        }
+        let [upper, lower] = at(taut * (1.0 + 1e-13)).slack;
+        assert!(upper.abs() < 2e-14 * taut && (lower + 2e-13 * taut).abs() < 3e-14 * taut);
     }
 }
