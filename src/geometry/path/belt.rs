@@ -373,7 +373,12 @@ mod tests {
     #[test]
     fn a_span_that_ends_on_another_one_does_not_cross_it() {
         let level = span((0.0, 0.0), (4.0, 0.0));
-        for upright in [span((2.0, 0.0), (2.0, 3.0)), span((2.0, 3.0), (2.0, 0.0))] {
+        for upright in [
+            span((2.0, 0.0), (2.0, 3.0)),
+            span((2.0, 3.0), (2.0, 0.0)),
+            span((2.0, 0.0), (2.0, -3.0)),
+            span((2.0, -3.0), (2.0, 0.0)),
+        ] {
             assert!(!cross(&level, &upright) && !cross(&upright, &level));
         }
     }

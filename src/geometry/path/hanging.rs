@@ -402,4 +402,14 @@ mod tests {
             assert!((guess.y + 1.25 * length).abs() < 1e-9);
         }
     }
+
+    #[test]
+    fn the_limit_of_taut_links_is_permitted() {
+        let links = [HangingLink {
+            length: 0.25,
+            weight: 1.0,
+        }; 4];
+        let at = |distance: f64| hang(Vec2::zeros(), Vec2::new(distance, 0.0), -Vec2::y(), &links);
+        assert!(at(1.0 + TAUT).is_some() && at(1.0 + 2.0 * TAUT).is_none());
+    }
 }

@@ -496,4 +496,24 @@ mod tests {
         }
         assert!(bowed > 0, "{bowed} {all}");
     }
+
+    #[test]
+    fn a_chain_of_exactly_the_length_is_not_stretched() {
+        // Some pitches close the taut chain of equal wheels without any rounding error.
+        let mut exact = 0;
+        for pitch in [1.0, 0.5, 0.0127, 0.009_525, 0.0254, 3.0, 5.0, 7.0] {
+            let of = |x: f64| PlacedWheel {
+                wheel: Wheel::on_pitch_circle(pitch, 16),
+                center: Vec2::new(x, 0.0),
+                side: Side::Inside,
+            };
+            let wheels = vec![of(0.0), of(20.0 * pitch)];
+            let course = WheelSequence::new(pitch, 56, wheels).unwrap();
+            if course.spare(0, 0.0) == Some(0.0) {
+                exact += 1;
+                assert_eq!(course.polygon(0, 0.0, 1e-3).unwrap().stretch, 0.0);
+            }
+        }
+        assert!(exact > 0);
+    }
 }

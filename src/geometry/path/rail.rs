@@ -195,7 +195,7 @@ mod tests {
                 assert!((pieces[0].start.y - height).abs() < 1e-15);
             }
             let outline = bar.outline(50);
-            let farthest = outline.iter().map(|p| p.norm()).fold(0.0, f64::max);
+            let farthest = outline.iter().map(Vec2::norm).fold(0.0, f64::max);
             assert!(farthest <= bar.outside_radius + 1e-15, "{face:?}");
             // The bound is reached by an end or by a corner of a concave bar.
             assert!(farthest > 0.99 * bar.outside_radius, "{face:?}");
@@ -240,6 +240,7 @@ mod tests {
     fn a_smooth_wheel_is_a_circle() {
         let wheel = ToothProfile::smooth_wheel(0.03);
         assert_eq!((wheel.teeth, wheel.outside_radius), (2, 0.03));
+        assert!((wheel.pitch_radius - 0.03).abs() < 1e-17);
         assert!(largest_gap(wheel.surfaces()) < 1e-17 && largest_corner(wheel.surfaces()) < 1e-15);
         for point in wheel.outline(20) {
             assert!((point.norm() - 0.03).abs() < 1e-17);

@@ -332,9 +332,8 @@ mod tests {
                 wraps.map(f64::round)
             );
             // The distance of a belt of that length is that distance again.
-            let links = expected.ceil();
-            let found = belt_center_distance(PITCH, teeth, links as u32).unwrap();
-            assert!((belt_length(PITCH, teeth, found) - links).abs() < 1e-12);
+            let found = belt_center_distance(PITCH, teeth, 80).unwrap();
+            assert!((belt_length(PITCH, teeth, found) - 80.0).abs() < 1e-12);
         }
         // Wheels within one another: the belt is the larger circle, and half a belt of equal wheels is 8.5 pitches.
         assert!((belt_length(PITCH, [40, 12], 0.5 * PITCH) - 40.0).abs() < 1e-13);
@@ -351,6 +350,10 @@ mod tests {
             assert!((found - pitches * PITCH).abs() < 1e-14, "{links}: {found}");
         }
         assert_eq!(belt_center_distance(PITCH, [17, 17], 17), None);
+        // A belt of 40 pitches fits round 40 teeth at every distance at which 12 teeth are within their circle.
+        let touching = belt_center_distance(PITCH, [40, 12], 40).unwrap();
+        assert!((belt_length(PITCH, [40, 12], touching) - 40.0).abs() < 1e-12);
+        assert_eq!(belt_center_distance(PITCH, [40, 12], 39), None);
     }
 
     #[test]
@@ -396,6 +399,7 @@ mod tests {
             ([40, 12], 91),
             ([17, 25], 41),
             ([9, 10], 200),
+            ([60, 9], 61),
         ] {
             let path = taut_path(PITCH, wheels(teeth), links).unwrap();
             assert_eq!(path.hinges.len(), links as usize);
@@ -527,6 +531,15 @@ mod tests {
             .collect();
         assert_eq!(strands, [[2, 1], [1, 2]]);
         assert_eq!(splits_at(PITCH, [16, 16], 12, PITCH, Strand::Upper), []);
+        let one_each: Vec<_> = splits_at(PITCH, [16, 16], 18, PITCH, Strand::Upper)
+            .into_iter()
+            .filter(|split| split.seated == [8, 8])
+            .map(|split| split.strands)
+            .collect();
+        assert_eq!(one_each, [[1, 1]]);
+        // Half a pitch is left to the slack strand.
+        let halved = splits_at(PITCH, [16, 16], 59, 20.5 * PITCH, Strand::Upper);
+        assert_eq!(halved[0].strands, [23, 20]);
     }
 
     #[test]

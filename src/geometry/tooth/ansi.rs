@@ -168,6 +168,9 @@ mod tests {
             (12.7e-3, 7.9375e-3),
             (9.525e-3, 5.08e-3),
             (6.35e-3, 3.302e-3),
+            // Teeth so thin that their topping curves meet inside the outside circle.
+            (12.7e-3, 9.5e-3),
+            (12.7e-3, 10.0e-3),
         ] {
             for teeth in 9..=120 {
                 let profile = ToothProfile::ansi(pitch, roller, teeth, Seat::PitchCircle);
@@ -186,10 +189,8 @@ mod tests {
                     "{teeth}: {beside} {}",
                     from_center.norm() - outside
                 );
-                assert!(
-                    tip.y > 0.0 && from_center.norm() < 1.001 * outside,
-                    "{teeth}"
-                );
+                assert!(from_center.norm() < 1.001 * outside, "{teeth}");
+                assert!(tip.y > 0.0 || roller > 0.7 * pitch, "{teeth}");
                 assert!((profile.axis() - Vec2::new(half.sin(), half.cos())).norm() < 1e-15);
             }
         }

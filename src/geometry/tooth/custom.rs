@@ -47,6 +47,11 @@ pub enum Misfit {
     Pointed(f64),
 }
 
+/// Return a misfit of this `size` where it is larger than `limit`.
+fn above(size: f64, limit: f64) -> Option<f64> {
+    (size.abs() > limit).then_some(size)
+}
+
 impl OutlinePiece {
     fn curve(&self, number: usize) -> Result<SurfaceCurve, Misfit> {
         let chord = self.end - self.start;
@@ -64,7 +69,7 @@ impl OutlinePiece {
             }));
         };
         let [first, last] = [self.start, self.end].map(|end| (end - center).norm());
-        if length <= LARGEST_GAP || (first - last).abs() > LARGEST_GAP {
+        if length <= LARGEST_GAP || above(first - last, LARGEST_GAP).is_some() {
             return Err(Misfit::NoCurve(number, first, last));
         }
         let arc = Arc {
@@ -96,7 +101,9 @@ impl ToothProfile {
             return Err(Misfit::Nothing);
         };
         // A seat with its centre in the middle of the gap is the origin of the frame, as in the other forms.
-        let seat = first.center.filter(|center| center.x.abs() <= LARGEST_GAP);
+        let seat = first
+            .center
+            .filter(|center| above(center.x, LARGEST_GAP).is_none());
         let pitch_radius = crate::geometry::path::wrap::pitch_radius(pitch, teeth);
         let origin = Vec2::new(0.0, seat.map_or(pitch_radius, |center| center.y));
         let moved: Vec<OutlinePiece> = pieces
@@ -107,12 +114,12 @@ impl ToothProfile {
                 center: piece.center.map(|center| center - origin),
             })
             .collect();
-        if first.start.x.abs() > LARGEST_GAP {
-            return Err(Misfit::Beside(first.start.x));
+        if let Some(beside) = above(first.start.x, LARGEST_GAP) {
+            return Err(Misfit::Beside(beside));
         }
         let curve = moved[0].curve(1)?;
         let leaning = curve.tangent(moved[0].start).y.asin();
-        if leaning.abs() > LARGEST_ANGLE {
+        if let Some(leaning) = above(leaning, LARGEST_ANGLE) {
             return Err(Misfit::Leans(leaning));
         }
         let mut flank = Flank::begin("piece", moved[0].start, curve);
@@ -120,12 +127,12 @@ impl ToothProfile {
         for (i, (end, piece)) in moved.iter().zip(&moved[1..]).enumerate() {
             let curve = piece.curve(i + 2)?;
             let apart = (piece.start - end.end).norm();
-            if apart > LARGEST_GAP {
+            if let Some(apart) = above(apart, LARGEST_GAP) {
                 return Err(Misfit::Apart(i + 2, apart));
             }
             let (from, to) = (before.tangent(end.end), curve.tangent(piece.start));
             let turn = from.perp(&to).atan2(from.dot(&to));
-            if turn.abs() > LARGEST_ANGLE {
+            if let Some(turn) = above(turn, LARGEST_ANGLE) {
                 return Err(Misfit::Corner(i + 2, turn));
             }
             flank = flank.then(piece.start, to.normalize(), "piece", curve);
@@ -142,12 +149,12 @@ impl ToothProfile {
         }
         let axis = profile.axis();
         let open = axis.perp(&last.end);
-        if open.abs() > LARGEST_GAP {
+        if let Some(open) = above(open, LARGEST_GAP) {
             return Err(Misfit::Open(open));
         }
         let tangent = before.tangent(last.end - origin);
         let point = tangent.dot(&axis).asin();
-        if point.abs() > LARGEST_ANGLE {
+        if let Some(point) = above(point, LARGEST_ANGLE) {
             return Err(Misfit::Point(point));
         }
         Ok(profile)
@@ -164,6 +171,8 @@ mod tests {
 
     const PITCH: f64 = 0.0127;
     const TEETH: u32 = 17;
+    /// Distance of the seat's centre beyond the pitch circle \[m\].
+    const RAISED: f64 = 5e-5;
 
     fn arc(start: Vec2, end: Vec2, center: Vec2) -> OutlinePiece {
         OutlinePiece {
@@ -192,7 +201,7 @@ mod tests {
 
     /// A seat of 4 mm, 1 mm of a line tangent to it and an arc to the middle of the tooth, which it leaves `tilt` \[rad\] from a right angle.
     fn pieces(tilt: f64) -> [OutlinePiece; 3] {
-        let seat = Vec2::new(0.0, pitch_radius());
+        let seat = Vec2::new(0.0, pitch_radius() + RAISED);
         let normal = unit(-0.4);
         let bend = seat + 4e-3 * normal;
         let edge = bend + 1e-3 * turned_left(normal);
@@ -243,7 +252,7 @@ mod tests {
         assert!(matches!(surfaces[0].curve, SurfaceCurve::Concave(_)));
         assert!(matches!(surfaces[1].curve, SurfaceCurve::Straight(_)));
         assert!(matches!(surfaces[2].curve, SurfaceCurve::Convex(_)));
-        assert_eq!(profile.seat_center_radius, pitch_radius());
+        assert_eq!(profile.seat_center_radius, pitch_radius() + RAISED);
         let tip = pieces(0.0)[2].end;
         assert_eq!(profile.outside_radius, tip.norm());
         // A roller of 3 mm, 0.1 mm deep in the middle of the line.
@@ -458,9 +467,9 @@ mod tests {
         let profile = cut(0.036).unwrap();
         assert_eq!(profile.outside_radius, 0.036);
         assert_eq!(profile.surfaces().len(), 4);
-        // The flank's line meets the middle of the tooth as in a triangle with the pitch radius.
+        // The flank's line meets the middle of the tooth as in a triangle with the seat's centre.
         let half = PI / f64::from(TEETH);
-        let meet = (4e-3 - pitch_radius() * 0.4_f64.sin()) / (half - 0.4).sin();
+        let meet = (4e-3 - (pitch_radius() + RAISED) * 0.4_f64.sin()) / (half - 0.4).sin();
         let Err(Misfit::Pointed(found)) = cut(1.1 * meet) else {
             panic!("beyond its point");
         };
@@ -469,5 +478,12 @@ mod tests {
             let open = axis().perp(&longer.end);
             Misfit::Open(open)
         });
+    }
+
+    #[test]
+    fn a_misfit_of_exactly_the_limit_is_permitted() {
+        assert_eq!(above(LARGEST_GAP, LARGEST_GAP), None);
+        assert_eq!(above(-LARGEST_ANGLE, LARGEST_ANGLE), None);
+        assert_eq!(above(-2e-7, LARGEST_GAP), Some(-2e-7));
     }
 }

@@ -204,6 +204,11 @@ impl Flank {
     pub(crate) fn end(mut self, point: Vec2) -> Self {
         if let Some(last) = self.pieces.last_mut() {
             last.end = point;
+            last.boundary = Boundary {
+                foot: point,
+                tangent: last.curve.tangent(point),
+                limit: 0.0,
+            };
         }
         self
     }
@@ -217,11 +222,9 @@ impl Flank {
                 let from_center = middle - center;
                 let touched = piece.curve.touched_from(middle);
                 let before = i > 0 && self.pieces[i - 1].boundary.past(touched) < -slack;
-                let behind = (i + 1 < self.pieces.len() && piece.boundary.past(touched) > slack)
-                    || (i + 1 == self.pieces.len()
-                        && (touched - piece.end).dot(&piece.curve.tangent(piece.end)) > slack);
+                let behind = piece.boundary.past(touched) > slack;
                 let beside = middle.x < 0.0 || from_center.perp(&axis) > 0.0;
-                if before || behind || beside || from_center.dot(&axis) < 0.0 {
+                if before || behind || beside {
                     continue;
                 }
                 let mut cut = Self {
@@ -322,7 +325,10 @@ mod tests {
         ] {
             let found = curve.inscribed(radius, center, outside);
             assert_eq!(found.len(), 2);
-            assert!((found[0] - found[1]).norm() > 1.0);
+            // On a line, the one farther along is the first.
+            let apart = found[0] - found[1];
+            assert!(apart.norm() > 1.0);
+            assert!(!matches!(curve, SurfaceCurve::Straight(_)) || apart.dot(&slope.tangent) > 0.0);
             for middle in found {
                 assert!(((middle - center).norm() - (outside - radius)).abs() < 1e-14);
                 // In the material, so that its radius is its own penetration twice over.
@@ -350,6 +356,7 @@ mod tests {
             ] {
                 let points = curve.sweep(at(first), at(first + sense * turn), 6);
                 assert_eq!(points.len(), 6);
+                assert_eq!(points[5], at(first + sense * turn));
                 for (i, point) in (0..).zip(points) {
                     let expected = at(first + sense * turn * f64::from(i) / 5.0);
                     assert!((point - expected).norm() < 1e-14, "{first} {turn} {i}");
@@ -367,22 +374,22 @@ mod tests {
     }
 
     /// A concave quarter circle, a line that rises along 4:3 of a circle's tangent, and the circles at its ends.
-    fn seat_line_and_tip() -> Flank {
+    fn seat_line_and_tip(unit: f64) -> Flank {
         let (slope, normal) = (Vec2::new(0.6, 0.8), Vec2::new(0.8, -0.6));
         let line = Segment {
-            start: 2.0 * normal,
+            start: 2.0 * unit * normal,
             tangent: slope,
             normal,
-            length: 5.0,
+            length: 5.0 * unit,
         };
         let tip = Arc {
-            center: line.end() + 3.0 * normal,
-            radius: 3.0,
+            center: line.end() + 3.0 * unit * normal,
+            radius: 3.0 * unit,
         };
         Flank::begin(
             "seat",
-            Vec2::new(0.0, -2.0),
-            SurfaceCurve::Concave(arc(0.0, 0.0, 2.0)),
+            Vec2::new(0.0, -2.0 * unit),
+            SurfaceCurve::Concave(arc(0.0, 0.0, 2.0 * unit)),
         )
         .then(line.start, slope, "line", SurfaceCurve::Straight(line))
         .then(line.end(), slope, "tip", SurfaceCurve::Convex(tip))
@@ -391,7 +398,7 @@ mod tests {
 
     #[test]
     fn normals_at_the_junctions_divide_the_plane_among_the_pieces() {
-        let flank = seat_line_and_tip();
+        let flank = seat_line_and_tip(1.0);
         assert!(largest_gap(&flank.pieces) < 1e-14 && largest_corner(&flank.pieces) < 1e-14);
         let steps: Vec<_> = flank.pieces.iter().map(|piece| piece.step).collect();
         assert_eq!(steps, [0, 1, 2]);
@@ -466,7 +473,7 @@ mod tests {
                 let outside = bottom + (tooth.outside_radius - bottom) * f64::from(i) / 60.0;
                 let Some(cut) = flank.cut(center, axis, outside, edge) else {
                     // An edge fits anywhere but near the bottom and at the tip.
-                    assert!(i < 12 || i > 55, "{i} {edge}");
+                    assert!(!(12..=55).contains(&i), "{i} {edge}");
                     continue;
                 };
                 cut_through[cut.pieces.len() - 3] += 1;
@@ -483,7 +490,7 @@ mod tests {
     #[test]
     fn a_straight_flank_is_cut_where_a_circle_between_it_and_the_outside_circle_touches_it() {
         // Outside circles about the seat's centre; the flank's line has the distance 2 from it.
-        let flank = seat_line_and_tip();
+        let flank = seat_line_and_tip(1.0);
         let center = Vec2::zeros();
         let axis = unit(-0.1);
         for (outside, edge) in [(5.0_f64, 0.5), (5.0, 0.125), (3.0, 0.25)] {
@@ -494,7 +501,16 @@ mod tests {
             let touched = flank.pieces[1].start + along * Vec2::new(0.6, 0.8);
             assert!((cut.pieces[2].start - touched).norm() < 1e-14);
         }
-        // A circle beyond the tip does not meet the flank, and a tooth needs room for its edge.
+        // Higher up the tip is cut, in any unit of length.
+        for unit in [1.0, 1e-6] {
+            let flank = seat_line_and_tip(unit);
+            let (outside, edge) = (7.0 * unit, 0.25 * unit);
+            let cut = flank.cut(center, axis, outside, edge).unwrap();
+            assert_eq!(cut.pieces.len(), 5);
+            assert_cut(&flank.pieces, &cut, center, outside, edge);
+        }
+        // A circle beyond the end of the tip or the whole of it does not meet the flank, and a tooth needs room for its edge.
+        assert_eq!(flank.cut(center, axis, 9.5, 0.25), None);
         assert_eq!(flank.cut(center, axis, 20.0, 0.1), None);
         assert_eq!(flank.cut(center, unit(1.0), 5.0, 0.5), None);
     }
@@ -508,5 +524,56 @@ mod tests {
         assert!(largest_gap(&level.pieces) < 1e-15 && largest_corner(&level.pieces) < 1e-15);
         assert!((level.pieces[0].end - center - 2.0 * axis).norm() < 1e-15);
         assert!((level.pieces[0].curve.depth(Vec2::new(0.0, 0.0), 0.5).0 + 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_edge_without_room_on_a_line_is_not_put_on_the_next_curve_continued_backwards() {
+        // An upright line, and an arc that leans back from its end. The middle of the tooth lies between the edge on the line and
+        // that on the circle of the arc, which leaves the line to the left below its end, too.
+        let line = Segment {
+            start: Vec2::x(),
+            tangent: Vec2::y(),
+            normal: Vec2::x(),
+            length: 5.0,
+        };
+        let hollow = arc(-9.0, 5.0, 10.0);
+        let flank = Flank::begin("line", line.start, SurfaceCurve::Straight(line))
+            .then(
+                line.end(),
+                Vec2::y(),
+                "hollow",
+                SurfaceCurve::Concave(hollow),
+            )
+            .end(hollow.point(unit(0.3)));
+        let center = Vec2::zeros();
+        assert_eq!(
+            flank.cut(center, Vec2::new(0.445, 1.0).normalize(), 4.0, 0.5),
+            None
+        );
+        // With the middle farther to the right, the edge is on the line.
+        let cut = flank.cut(center, unit(1.0), 4.0, 0.5).unwrap();
+        assert_eq!(cut.pieces.len(), 3);
+        let along = (3.5_f64.powi(2) - 1.5 * 1.5).sqrt();
+        assert!((cut.pieces[1].start - Vec2::new(1.0, along)).norm() < 1e-14);
+    }
+
+    #[test]
+    fn an_edge_may_begin_in_the_middle_of_the_gap_and_end_in_that_of_the_tooth() {
+        // The circle of 6 about (0, -8) touches the bottom of the seat.
+        let flank = seat_line_and_tip(1.0);
+        let center = Vec2::new(0.0, -8.0);
+        let cut = flank.cut(center, unit(1.3), 6.0, 0.5).unwrap();
+        assert_eq!(cut.pieces[1].start, Vec2::new(0.0, -2.0));
+        // A bar of which the end is round.
+        let line = Segment {
+            start: Vec2::new(0.0, 2.0),
+            tangent: Vec2::x(),
+            normal: -Vec2::y(),
+            length: 10.0,
+        };
+        let bar = Flank::begin("face", line.start, SurfaceCurve::Straight(line)).end(line.end());
+        let cut = bar.cut(Vec2::zeros(), Vec2::x(), 5.0, 2.0).unwrap();
+        assert_eq!(cut.pieces[1].start, Vec2::new(3.0, 2.0));
+        assert_eq!(cut.pieces[2].start, Vec2::new(5.0, 0.0));
     }
 }

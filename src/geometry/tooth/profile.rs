@@ -438,7 +438,7 @@ mod tests {
         assert_eq!(cut.outside_radius, 0.036);
         assert_eq!((cut.damaged().count(), cut.ansi_curves()), (0, None));
         assert_eq!(cut.whole(), cut.surfaces());
-        let farthest = cut.outline(9).iter().map(|q| q.norm()).fold(0.0, f64::max);
+        let farthest = cut.outline(9).iter().map(Vec2::norm).fold(0.0, f64::max);
         assert!((farthest - 0.036).abs() < 1e-15);
         // A cylinder on the land has no reach beyond it.
         assert!((cut.reach(0.004) - 0.040).abs() < 1e-17);
@@ -464,7 +464,7 @@ mod tests {
                 let off = unit(middle).perp(q).atan2(unit(middle).dot(q));
                 off.abs() < 0.5 * p.gap_angle()
             });
-            let highest = on_it.map(|q| q.norm()).fold(0.0, f64::max);
+            let highest = on_it.map(Vec2::norm).fold(0.0, f64::max);
             let height = damage
                 .iter()
                 .find(|d| d.tooth == tooth)

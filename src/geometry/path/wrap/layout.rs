@@ -93,7 +93,7 @@ impl Layout {
             let det = a * d - b * c;
             shift -= (d * f - b * g) / det;
             distance -= (a * g - c * f) / det;
-            if !(shift.is_finite() && distance.is_finite()) {
+            if ![shift, distance].into_iter().all(f64::is_finite) {
                 return None;
             }
         }
@@ -166,5 +166,69 @@ impl Layout {
             }
         }
         path
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two wheels of 16 teeth with eight pitches on each.
+    fn layout(pitch: f64, strands: [u32; 2]) -> Layout {
+        Layout {
+            pitch,
+            wheels: [Wheel::on_pitch_circle(pitch, 16); 2],
+            split: Split {
+                seated: [8, 8],
+                strands,
+            },
+        }
+    }
+
+    #[test]
+    fn a_strand_is_taut_at_the_shift_that_turns_both_wheels_towards_it() {
+        // Each end moves by r sin(a) along the strand: 20 pitches less 2 r sin(a) are left, at the arc r a.
+        let pitch = 0.0127;
+        let radius = pitch / (2.0 * (PI / 16.0).sin());
+        for (links, strand) in [
+            (16, Strand::Upper),
+            (18, Strand::Upper),
+            (16, Strand::Lower),
+        ] {
+            let mut strands = [40 - links; 2];
+            strands[strand as usize] = links;
+            let shorter = 0.5 * f64::from(20 - links) * pitch;
+            let arc = radius * (shorter / radius).asin();
+            let sign = if strand == Strand::Upper { 1.0 } else { -1.0 };
+            let found = layout(pitch, strands)
+                .tighten(strand, 20.0 * pitch)
+                .unwrap();
+            assert!((found - sign * arc).abs() < 1e-12, "{links}: {found} {arc}");
+        }
+        // Fifteen links need 3.46 pitches of shift; at most three are tried.
+        let arc = radius * (2.5 * pitch / radius).asin();
+        assert!(arc > 3.0 * pitch && arc < 3.5 * pitch);
+        assert_eq!(
+            layout(pitch, [15, 25]).tighten(Strand::Upper, 20.0 * pitch),
+            None
+        );
+    }
+
+    #[test]
+    fn both_strands_close_in_any_unit_of_length() {
+        for pitch in [0.0127, 1e7, 1e-6] {
+            let (shift, distance) = layout(pitch, [20, 20]).close(21.0 * pitch).unwrap();
+            assert!(shift.abs() < 1e-12 * pitch);
+            assert!((distance - 20.0 * pitch).abs() < 1e-12 * pitch);
+        }
+    }
+
+    #[test]
+    fn strands_that_differ_by_more_than_four_radii_close_at_no_distance() {
+        // An end is at most a radius from its wheel's centre: strands of 1 and 40 pitches differ by 15 radii.
+        let pitch = 0.0127;
+        for distance in [5.0, 20.0, 40.0] {
+            assert_eq!(layout(pitch, [1, 40]).close(distance * pitch), None);
+        }
     }
 }
