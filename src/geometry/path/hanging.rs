@@ -57,18 +57,12 @@ pub fn hang(from: Vec2, to: Vec2, down: Vec2, links: &[HangingLink]) -> Option<H
         let Some(step) = misfit.1.try_inverse().map(|inverse| inverse * misfit.0) else {
             break;
         };
-        let mut share = 1.0;
-        let better = loop {
-            let next = tension - share * step;
+        // The step, or the largest half, quarter and so on of it, that lowers the misfit.
+        let better = (0..20).find_map(|halvings| {
+            let next = tension - 0.5_f64.powi(halvings) * step;
             let found = misfit_of(next, reach, down, links);
-            if found.0.norm() < misfit.0.norm() {
-                break Some((next, found));
-            }
-            share *= 0.5;
-            if share < 1e-6 {
-                break None;
-            }
-        };
+            (found.0.norm() < misfit.0.norm()).then_some((next, found))
+        });
         let Some((next, found)) = better else { break };
         (tension, misfit) = (next, found);
     }
@@ -143,7 +137,7 @@ fn first_guess(reach: Vec2, down: Vec2, length: f64, weight: f64) -> Vec2 {
     for _ in 0..30 {
         let (value, slope) = (x.sinh() - ratio * x, x.cosh() - ratio);
         let step = value / slope;
-        if !step.is_finite() || step.abs() < 1e-14 * x {
+        if step.abs() < 1e-14 * x {
             break;
         }
         x = (x - step).max(0.1 * x);

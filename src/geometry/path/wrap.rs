@@ -560,4 +560,20 @@ mod tests {
         let [upper, lower] = at(taut * (1.0 + 1e-13)).slack;
         assert!(upper.abs() < 2e-14 * taut && (lower + 2e-13 * taut).abs() < 3e-14 * taut);
     }
+
+    #[test]
+    fn a_taut_chain_is_found_in_any_unit_of_length() {
+        for (teeth, links) in [
+            ([13, 31], 70),
+            ([40, 12], 91),
+            ([17, 25], 41),
+            ([17, 19], 60),
+        ] {
+            let [small, large] = [PITCH, 1e7 * PITCH].map(|pitch| {
+                let wheels = teeth.map(|n| Wheel::on_pitch_circle(pitch, n));
+                taut_path(pitch, wheels, links).unwrap().center_distance / pitch
+            });
+            assert!((small - large).abs() < 1e-12 * small, "{teeth:?}");
+        }
+    }
 }

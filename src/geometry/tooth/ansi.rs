@@ -180,6 +180,11 @@ mod tests {
                 let from_center = tip - profile.center();
                 let off_topping = (tip - curves.topping.center).norm() - curves.topping.radius;
                 assert!(off_topping.abs() < 1e-12, "{teeth}: {off_topping}");
+                let above = (tip - curves.topping.center).dot(&profile.axis());
+                assert!(
+                    above > 0.0,
+                    "the farther end of the middle: {teeth}: {above}"
+                );
                 // Position beside the middle of the tooth, at the angle `half` from that of the gap.
                 let beside = from_center.x * half.cos() - from_center.y * half.sin();
                 let outside = 0.5 * pitch * (0.6 + 1.0 / half.tan());

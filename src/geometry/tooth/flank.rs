@@ -576,4 +576,53 @@ mod tests {
         assert_eq!(cut.pieces[1].start, Vec2::new(3.0, 2.0));
         assert_eq!(cut.pieces[2].start, Vec2::new(5.0, 0.0));
     }
+
+    #[test]
+    fn a_point_on_the_normal_of_a_junction_belongs_to_the_second_piece() {
+        let line = |from: f64| Segment {
+            start: Vec2::new(from, 2.0),
+            tangent: Vec2::x(),
+            normal: -Vec2::y(),
+            length: 4.0,
+        };
+        let flank = Flank::begin("one", line(0.0).start, SurfaceCurve::Straight(line(0.0)))
+            .then(
+                line(4.0).start,
+                Vec2::x(),
+                "two",
+                SurfaceCurve::Straight(line(4.0)),
+            )
+            .end(line(4.0).end());
+        assert_eq!(nearest_piece(&flank.pieces, Vec2::new(4.0, 5.0)), 1);
+        assert_eq!(nearest_piece(&flank.pieces, Vec2::new(3.9, 5.0)), 0);
+    }
+
+    #[test]
+    fn an_edge_may_miss_the_ends_of_a_piece_by_1e_9_of_the_outside_radius() {
+        // An outside circle of 1e9 m: the permitted distance is 1 m. A round end of 2048 m begins at x = 1e9 m - 1024 m.
+        let (outside, edge) = (1e9, 1024.0);
+        let begins = outside - edge;
+        let level = |from: f64, to: f64| Segment {
+            start: Vec2::new(from, edge),
+            tangent: Vec2::x(),
+            normal: -Vec2::y(),
+            length: to - from,
+        };
+        let cut = |flank: Flank| flank.cut(Vec2::zeros(), Vec2::x(), outside, edge);
+        for (miss, fits) in [(-1.0, true), (1.0, true), (2.0, false)] {
+            let face = level(0.0, begins - miss);
+            let short = Flank::begin("face", face.start, SurfaceCurve::Straight(face));
+            assert_eq!(cut(short.end(face.end())).is_some(), fits, "{miss}");
+            // The first piece is too strongly curved for the edge.
+            let face = level(begins + miss, begins + 10.0);
+            let corner = Arc {
+                center: face.start - 512.0 * Vec2::y(),
+                radius: 512.0,
+            };
+            let late = Flank::begin("corner", face.start, SurfaceCurve::Convex(corner))
+                .then(face.start, Vec2::x(), "face", SurfaceCurve::Straight(face))
+                .end(face.end());
+            assert_eq!(cut(late).is_some(), fits, "{miss}");
+        }
+    }
 }

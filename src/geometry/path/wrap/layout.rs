@@ -231,4 +231,48 @@ mod tests {
             assert_eq!(layout(pitch, [1, 40]).close(distance * pitch), None);
         }
     }
+
+    #[test]
+    fn steep_strands_of_one_pitch_close_as_the_sides_of_their_triangles() {
+        // 57 of 60 teeth leave 9 degrees above and below the line of centres, one of 9 teeth 20 degrees.
+        let pitch = 0.0127;
+        let wheels = [60, 9].map(|teeth| Wheel::on_pitch_circle(pitch, teeth));
+        let split = Split {
+            seated: [57, 1],
+            strands: [1, 1],
+        };
+        let layout = Layout {
+            pitch,
+            wheels,
+            split,
+        };
+        let [first, second] = [(0, 9.0_f64), (1, 20.0)]
+            .map(|(i, degrees)| wheels[i].hinge_radius * unit(degrees.to_radians()));
+        let rise = second.y - first.y;
+        let expected = first.x + (pitch * pitch - rise * rise).sqrt() - second.x;
+        let (shift, distance) = layout.close(8.3 * pitch).unwrap();
+        assert!(shift.abs() < 1e-13 * pitch);
+        assert!((distance - expected).abs() < 1e-12 * pitch);
+    }
+
+    #[test]
+    fn level_strands_close_from_any_first_distance() {
+        // Their lengths are linear in the distance, so that Newton's method is exact.
+        let pitch = 0.0127;
+        let (shift, distance) = layout(pitch, [20, 20]).close(1e6 * pitch).unwrap();
+        assert!(shift.abs() < 1e-12 * pitch && (distance - 20.0 * pitch).abs() < 1e-12 * pitch);
+    }
+
+    #[test]
+    fn a_shift_of_three_pitches_and_a_residual_below_the_limit_are_permitted() {
+        let layout = layout(0.0127, [20, 20]);
+        let limit = 3.0 * layout.pitch;
+        assert_eq!(
+            layout.solve_shift(|shift| (shift - limit, 1.0)),
+            Some(limit)
+        );
+        assert_eq!(layout.solve_shift(|_| (1e-12, 1e3)), None);
+        // Of equal residuals the first one is kept.
+        assert_eq!(layout.solve_shift(|_| (1e-13, 1e3)), Some(0.0));
+    }
 }

@@ -116,7 +116,8 @@ impl ToothProfile {
     #[must_use]
     pub fn pinch(&self, radius: f64) -> Option<(Surface, f64)> {
         const POINTS: usize = 24;
-        let outline = self.half_outline(4 * POINTS);
+        const POINTS_OF_OUTLINE: usize = 4 * POINTS;
+        let outline = self.half_outline(POINTS_OF_OUTLINE);
         // The half of the outline on the side of the cylinder is the nearer one.
         let deepest = |place: Vec2| {
             let beside = Vec2::new(place.x.abs(), place.y);
