@@ -266,11 +266,14 @@ mod tests {
         let (r, half) = (0.05, 0.3);
         for i in 0..40 {
             let along = unit(0.16 * f64::from(i));
-            let wheel = |place: f64, side| Pulley {
-                center: place * along
-                    - if side == Side::Outside { 2.0 * r } else { 0.0 } * turned_left(along),
-                radius: r,
-                side,
+            // A wheel outside touches the same side of the belt as those inside.
+            let wheel = |place: f64, side| {
+                let across = if side == Side::Outside { -2.0 * r } else { 0.0 };
+                Pulley {
+                    center: place * along + across * turned_left(along),
+                    radius: r,
+                    side,
+                }
             };
             for side in [Side::Inside, Side::Outside] {
                 let belt = Belt::around(&[
@@ -279,6 +282,7 @@ mod tests {
                     wheel(half, Side::Inside),
                 ])
                 .unwrap();
+                // Tangents of 0.3 m are rounded to 1e-16 of their length, which is far below the limit of a wrap.
                 assert!(belt.wraps[1] < 1e-9, "{i}: {}", belt.wraps[1]);
                 assert!((belt.length - (4.0 * half + TAU * r)).abs() < 1e-9);
                 assert!(belt.is_simple());

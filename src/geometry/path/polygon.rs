@@ -271,6 +271,7 @@ pub fn bow_angle(sag: f64, span: f64) -> f64 {
 mod tests {
     use super::*;
 
+    // Coordinates up to 0.5 m are rounded to 5e-17 m. Bounds of 1e-15 m to 1e-12 m permit sums of tens to thousands of such errors.
     const PITCH: f64 = 0.0127;
 
     fn wheel(teeth: u32, x: f64, y: f64, side: Side) -> PlacedWheel {

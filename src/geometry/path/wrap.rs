@@ -263,6 +263,7 @@ mod tests {
     use super::*;
     use crate::geometry::path::bow::Bow;
 
+    // Coordinates up to 0.5 m are rounded to 5e-17 m. Bounds of 1e-15 m to 1e-12 m permit sums of tens to thousands of such errors.
     const PITCH: f64 = 0.0127;
 
     fn wheels(teeth: [u32; 2]) -> [Wheel; 2] {

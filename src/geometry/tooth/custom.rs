@@ -101,9 +101,7 @@ impl ToothProfile {
             return Err(Misfit::Nothing);
         };
         // A seat with its centre in the middle of the gap is the origin of the frame, as in the other forms.
-        let seat = first
-            .center
-            .filter(|center| above(center.x, LARGEST_GAP).is_none());
+        let seat = first.center.filter(|center| center.x.abs() <= LARGEST_GAP);
         let pitch_radius = crate::geometry::path::wrap::pitch_radius(pitch, teeth);
         let origin = Vec2::new(0.0, seat.map_or(pitch_radius, |center| center.y));
         let moved: Vec<OutlinePiece> = pieces
@@ -235,7 +233,7 @@ mod tests {
         about + cos * offset + sin * turned_left(offset)
     }
 
-    /// Assert that a size is this one; `rounding` of coordinates of a few centimetres.
+    /// Assert that a size is the expected one to 1e-4: coordinates of 4 cm are rounded to 7e-18 m, the least size is 5e-8 m.
     fn assert_close(size: f64, expected: f64) {
         assert!(
             (size - expected).abs() < 1e-4 * expected.abs(),
@@ -270,23 +268,20 @@ mod tests {
         let radius = 1e-3;
         let seat = corner + radius * Vec2::y();
         let bend = seat + radius * unit(-0.4);
-        let [_, straight, tip] = each(pieces(0.0), |p| p);
-        // The line and the edge as before, from the end of the smaller seat.
-        let edge = bend + (straight.end - straight.start);
-        let top = axis();
+        // A line and an edge as in the other tooth, from the end of the smaller seat.
+        let edge = bend + 1e-3 * turned_left(unit(-0.4));
         let rounding = -axis().perp(&edge) / axis().perp(&unit(-0.4));
         let center = edge + rounding * unit(-0.4);
-        assert!(tip.center.is_some() && rounding > 0.0);
         let profile = tooth(&[
             line(middle, corner),
             arc(corner, bend, seat),
             line(bend, edge),
-            arc(edge, center + rounding * top, center),
+            arc(edge, center + rounding * axis(), center),
         ])
         .unwrap();
         assert_eq!(profile.seat_center_radius, pitch_radius());
         assert!(largest_gap(profile.surfaces()) < 1e-16);
-        // A bottom that leans, by more than is permitted.
+        // A bottom that leans by more than is permitted, and by less.
         let sloping = |slope: f64| {
             let end = Vec2::new(2e-3, middle.y + 2e-3 * slope);
             tooth(&[line(middle, end), line(end, 2.0 * end)])

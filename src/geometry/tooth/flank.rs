@@ -283,6 +283,7 @@ mod tests {
     use crate::geometry::tooth::checks::{largest_corner, largest_gap};
     use crate::geometry::{Seat, ToothProfile};
 
+    // Coordinates up to 10 are rounded to 1e-15; bounds of 1e-14 and 1e-13 permit sums of ten and a hundred of such errors.
     fn arc(x: f64, y: f64, radius: f64) -> Arc {
         Arc {
             center: Vec2::new(x, y),
