@@ -204,13 +204,21 @@ impl Flank {
     pub(crate) fn end(mut self, point: Vec2) -> Self {
         if let Some(last) = self.pieces.last_mut() {
             last.end = point;
-            last.boundary = Boundary {
-                foot: point,
-                tangent: last.curve.tangent(point),
-                limit: 0.0,
-            };
         }
         self
+    }
+
+    /// Return the normal at the end of a piece: that of its junction, or at the end of the flank.
+    fn end_of(&self, number: usize) -> Boundary {
+        let piece = &self.pieces[number];
+        match self.pieces.get(number + 1) {
+            Some(_) => piece.boundary,
+            None => Boundary {
+                foot: piece.end,
+                tangent: piece.curve.tangent(piece.end),
+                limit: 0.0,
+            },
+        }
     }
 
     /// Return the flank cut by the circle of `outside` about `center`, its edge rounded by an arc of radius `edge`; `axis` is the
@@ -222,7 +230,7 @@ impl Flank {
                 let from_center = middle - center;
                 let touched = piece.curve.touched_from(middle);
                 let before = i > 0 && self.pieces[i - 1].boundary.past(touched) < -slack;
-                let behind = piece.boundary.past(touched) > slack;
+                let behind = self.end_of(i).past(touched) > slack;
                 let beside = middle.x < 0.0 || from_center.perp(&axis) > 0.0;
                 if before || behind || beside {
                     continue;
