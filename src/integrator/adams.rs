@@ -151,11 +151,6 @@ impl Adams {
         &self.vectors.y[..self.vectors.dimension]
     }
 
-    /// Write the derivative at [`Self::time`]; valid after the first step.
-    pub fn write_slope(&self, slope: &mut [f64]) {
-        self.history.differences.write_slope(slope);
-    }
-
     /// Return γ \[s\] and the velocities of the last step's correction, where its last evaluation was made before it: at the predicted value
     /// of a step with one unmeasured correction, which differs from [`Self::y`] by about the tolerance.
     #[must_use]

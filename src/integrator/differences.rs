@@ -186,16 +186,10 @@ impl Differences {
         });
     }
 
-    /// Write the derivative at the end of the last step.
-    pub(super) fn write_slope(&self, derivative: &mut [f64]) {
-        match self.parts_of_row(0) {
-            (row, None) => derivative.copy_from_slice(&row[..derivative.len()]),
-            (row, Some(newest)) => {
-                for ((derivative, phi), newest) in derivative.iter_mut().zip(row).zip(newest) {
-                    *derivative = phi + newest;
-                }
-            }
-        }
+    /// Return φ*_1 and, above order one, φ*_2 of the last step, and its newest difference; valid until the next prediction.
+    pub(super) fn rows_of_last_step(&self) -> (&[f64], Option<&[f64]>, &[f64]) {
+        let phi_2 = (self.newest > 1).then(|| self.row(1));
+        (self.row(0), phi_2, self.row(self.newest))
     }
 
     /// Replace φ* by φ after a rejected step.

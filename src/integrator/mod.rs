@@ -18,6 +18,7 @@ mod coefficients;
 mod control;
 mod convergence;
 mod corrector_switching;
+mod cubic_path;
 mod dense_output;
 mod difference_kernels;
 mod differences;

@@ -241,15 +241,19 @@ impl Adams {
 
 /// Return the next step size at order one or two, from the error: `h SAFETY / error^(1/(k+1))`, or h where the change is small.
 fn low_order_step(h: f64, order: usize, error: f64) -> f64 {
+    // Powers in place of roots decide whether the size is kept: cube roots are slow, and most steps keep it.
+    let power = |root: f64| root * root * if order == 1 { 1.0 } else { root };
+    let [largest, smallest] = KEPT.map(|change| power(SAFETY / change));
+    if smallest < error && error <= largest {
+        return h;
+    }
     let root = if order == 1 {
         error.sqrt()
     } else {
         error.cbrt()
     };
     // An error of zero gives the largest change.
-    let change = (SAFETY / root).clamp(LOW_ORDER_CHANGE[0], LOW_ORDER_CHANGE[1]);
-    let keep = (KEPT[0]..KEPT[1]).contains(&change);
-    if keep { h } else { h * change }
+    h * (SAFETY / root).clamp(LOW_ORDER_CHANGE[0], LOW_ORDER_CHANGE[1])
 }
 
 #[cfg(test)]

@@ -42,6 +42,16 @@ impl Channel {
         }
     }
 
+    /// Reserve memory for `rows`, as far as there is any.
+    pub(crate) fn make_room(&mut self, rows: usize) {
+        let numbers = rows * self.row_length();
+        // Without memory the vector grows row by row, as far as it can.
+        let _ = match &mut self.values {
+            Values::Real(values) => values.try_reserve_exact(numbers),
+            Values::Whole(values) => values.try_reserve_exact(numbers),
+        };
+    }
+
     /// Return the number of values per row.
     #[must_use]
     pub fn row_length(&self) -> usize {

@@ -358,8 +358,8 @@ fn find_runs(
             }),
         }
     }
+    // A vector is saved only if less than one vector is between the two.
     if let [first, .., last] = runs.as_mut_slice()
-        && first.first + n - (last.first + last.length) < WIDTH
         && padded(first.first + n + first.length - last.first)
             < padded(first.length) + padded(last.length)
         && all_there(last.first + last.length, first.first + n)

@@ -166,3 +166,111 @@ impl ImpactMemory {
         self.pawls.fill(f64::NEG_INFINITY);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FLOOR: f64 = 0.01;
+
+    fn memory() -> ImpactMemory {
+        ImpactMemory::new(6, 6, 12, FLOOR)
+    }
+
+    #[test]
+    fn an_onset_keeps_its_speed_or_the_minimum_and_its_inverse_until_the_contact_ends() {
+        for (rate, speed) in [(0.5, 0.5), (FLOOR, FLOOR), (0.001, FLOOR), (-0.2, FLOOR)] {
+            let mut memory = memory();
+            memory.begin_hinge(2, rate);
+            memory.begin_roller(3, rate);
+            memory.begin_tooth(7, rate, Surface::FLAT);
+            assert_eq!(memory.hinge_impact_velocity()[2], speed);
+            assert_eq!(memory.hinge_inverse_impact_velocity()[2], 1.0 / speed);
+            assert_eq!(memory.roller_impact_velocity()[3], speed);
+            assert_eq!(memory.roller_inverse_impact_velocity()[3], 1.0 / speed);
+            assert_eq!(memory.tooth_impact_velocity[7], speed);
+            assert_eq!(memory.tooth_surface[7], Surface::FLAT);
+            let slow = if rate < FLOOR { 3 } else { 0 };
+            let counts = memory.counts();
+            assert_eq!((counts.onsets, counts.at_floor), (3, slow));
+            memory.end_hinge(2);
+            memory.end_roller(3);
+            memory.end_tooth(7);
+            assert_eq!(memory.hinge_impact_velocity(), [0.0; 6]);
+            assert_eq!(memory.roller_impact_velocity(), [0.0; 6]);
+            assert!(
+                memory
+                    .hinge_inverse_impact_velocity()
+                    .iter()
+                    .all(|&x| x == 0.0)
+            );
+            assert!(
+                memory
+                    .roller_inverse_impact_velocity()
+                    .iter()
+                    .all(|&x| x == 0.0)
+            );
+            assert_eq!(memory.tooth_impact_velocity, [0.0; 12]);
+            // An end is no onset.
+            assert_eq!(memory.counts(), counts);
+        }
+    }
+
+    #[test]
+    fn an_onset_that_is_taken_back_is_not_counted() {
+        let mut memory = memory();
+        for rate in [0.5, 0.001, 0.002] {
+            memory.begin_hinge(0, rate);
+        }
+        memory.uncount(FLOOR);
+        assert_eq!(
+            memory.counts(),
+            OnsetCounts {
+                onsets: 2,
+                at_floor: 1
+            }
+        );
+        memory.uncount(0.5);
+        assert_eq!(
+            memory.counts(),
+            OnsetCounts {
+                onsets: 1,
+                at_floor: 1
+            }
+        );
+    }
+
+    #[test]
+    fn a_cleared_memory_is_a_new_one_with_its_counts() {
+        let mut memory = memory();
+        memory.begin_hinge(1, 0.3);
+        memory.begin_roller(2, 0.3);
+        memory.begin_tooth(3, 0.3, Surface::SEATING);
+        memory.pawls[1] = 0.4;
+        let counts = memory.counts();
+        memory.clear();
+        let expected = ImpactMemory {
+            counts,
+            ..self::memory()
+        };
+        assert_eq!(memory, expected);
+        assert_eq!(counts.onsets, 3);
+    }
+
+    #[test]
+    fn memories_are_alike_with_the_same_pairs_and_the_same_minimum() {
+        let one = memory();
+        assert!(one.is_like(&memory()));
+        for other in [
+            ImpactMemory::new(6, 6, 12, 0.02),
+            ImpactMemory::new(6, 0, 12, FLOOR),
+            ImpactMemory::new(6, 6, 18, FLOOR),
+            ImpactMemory::new(4, 6, 12, FLOOR),
+        ] {
+            assert!(!one.is_like(&other));
+        }
+        // A pawl for each sprocket; a memory without hinges has none.
+        assert_eq!(one.pawls, [f64::NEG_INFINITY; 2]);
+        assert!(ImpactMemory::new(0, 0, 0, FLOOR).pawls.is_empty());
+    }
+}

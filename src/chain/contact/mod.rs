@@ -18,3 +18,6 @@ pub(crate) use tooth_gap::seen_from_teeth;
 pub use tooth_gap::{OnGap, SprocketFrame, bushing_on_sprocket};
 pub use tooth_jumps::ToothJump;
 pub(crate) use tooth_jumps::{Seated, ToothJumps};
+
+#[cfg(test)]
+mod tests;

@@ -218,3 +218,190 @@ pub(super) fn turned(direction: Vec2, angle: f64) -> Vec2 {
     };
     cos * direction + sin * turned_left(direction)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{compiled, drive, inside, moved, with_rollers, with_tensioner};
+    use super::super::{RollerPath, bushing_on_sprocket};
+    use super::*;
+    use crate::chain::motion::Motion;
+    use crate::drive::{Bearing, Drive, SprocketMotion};
+    use crate::math::Table;
+
+    /// Return the model of a drive, an integrator behind a step of it, and times in that step with coordinates and velocities there.
+    fn scene(drive: &Drive) -> (Model, Adams, Vec<(f64, Vec<f64>)>) {
+        let (model, start) = compiled(drive);
+        let mut y = vec![0.0; 2 * model.coordinates];
+        let mut motion = Motion::new(model.bodies());
+        motion.set(&start.positions, &start.velocities);
+        motion.write(&model, &mut y);
+        let (adams, [begin, end]) = moved(&y);
+        let times = [0.0, 0.3, 0.8, 1.0].map(|part| begin + part * (end - begin));
+        let states = times.map(|t| (t, inside(&adams, t, y.len())));
+        (model, adams, states.to_vec())
+    }
+
+    /// Return position \[m\] and velocity \[m/s\] of the point `arm` along body `i` in a state, from the first coordinate of all bodies.
+    fn point(model: &Model, y: &[f64], (first, i): (usize, usize), arm: f64) -> [Vec2; 2] {
+        let n = model.links;
+        let (q, v) = y.split_at(model.coordinates);
+        let of = |of: &[f64]| [0, 1, 2].map(|c| of[first + c * n + i]);
+        let ([x, y, angle], [vx, vy, spin]) = (of(q), of(v));
+        let (sin, cos) = angle.sin_cos();
+        [
+            Vec2::new(x + arm * cos, y + arm * sin),
+            Vec2::new(vx - arm * spin * sin, vy + arm * spin * cos),
+        ]
+    }
+
+    /// Assert that a pin has the clearance and approach of two points.
+    fn assert_in_bore(found: Contact, inner: [Vec2; 2], outer: [Vec2; 2], clearance: f64) {
+        let [offset, velocity] = [0, 1].map(|i| inner[i] - outer[i]);
+        // Rounding of coordinates below 1 m and of velocities below 10 m/s, divided by an offset of some tens of micrometres.
+        let distance = offset.norm();
+        assert!((found.penetration - (distance - clearance)).abs() < 1e-15);
+        let direction = offset / distance;
+        assert!((found.normal - direction).norm() < 4e-16 / distance);
+        let rate = direction.dot(&velocity);
+        assert!((found.penetration_rate - rate).abs() < 2e-14 + 1e-14 / distance);
+    }
+
+    #[test]
+    fn a_hinge_inside_a_step_is_that_of_the_interpolated_links() {
+        let (model, adams, states) = scene(&drive());
+        for k in 0..model.links {
+            let path = HingePath::new(&model, &adams, k);
+            let next = (k + 1) % model.links;
+            for (t, y) in &states {
+                let pin = point(&model, y, (0, k), model.chain.arms[k]);
+                let bore = point(&model, y, (0, next), -model.chain.arms[next]);
+                assert_in_bore(path.at(*t), pin, bore, model.hinges.clearance);
+            }
+        }
+    }
+
+    #[test]
+    fn a_roller_inside_a_step_is_that_of_the_interpolated_bodies() {
+        let (model, adams, states) = scene(&with_rollers());
+        let rollers = model.rollers.as_ref().unwrap();
+        for k in 0..model.links {
+            let path = RollerPath::new(&model, &adams, k).unwrap();
+            // Bushings are at both ends of inner links, which are links 0, 2, ... or 1, 3, ...
+            let link = model.link_of_bushing(k);
+            assert!(link == k || link == (k + 1) % model.links);
+            let arm = if link == k { 1.0 } else { -1.0 } * model.chain.arms[link];
+            for (t, y) in &states {
+                let bushing = point(&model, y, (0, link), arm);
+                let roller = point(&model, y, (rollers.first, k), 0.0);
+                assert_in_bore(path.at(*t), bushing, roller, rollers.clearance);
+            }
+        }
+        let (model, adams, _) = scene(&drive());
+        assert!(RollerPath::new(&model, &adams, 0).is_none());
+    }
+
+    /// Return the frame of a sprocket in the state `y`; a centre on a guide path moves along the tangent at the end of the step.
+    fn sprocket_frame(sprocket: &SprocketModel, t: f64, y: &[f64], end: &[f64]) -> SprocketFrame {
+        let (q, v) = y.split_at(y.len() / 2);
+        let (center, velocity) = match sprocket.support {
+            Support::Fixed => (sprocket.center, Vec2::zeros()),
+            Support::Floating { x, y } => (Vec2::new(q[x], q[y]), Vec2::new(v[x], v[y])),
+            Support::Slide {
+                index,
+                direction,
+                guide,
+                ..
+            } => {
+                let place = |s: f64| sprocket.center + guide.offset(direction, s);
+                let (here, h) = (end[index], 1e-5);
+                // The error of the difference is of the order h² over the square of the arm's length.
+                let tangent = (place(here + h) - place(here - h)) / (2.0 * h);
+                (
+                    place(here) + (q[index] - here) * tangent,
+                    v[index] * tangent,
+                )
+            }
+        };
+        let (angle, spin) = match &sprocket.rotation {
+            Rotation::Free { index, .. } => (q[*index], v[*index]),
+            Rotation::Prescribed(signal) => (sprocket.phase + signal.integral(t), signal.value(t)),
+        };
+        SprocketFrame::new(center, velocity, angle, spin)
+    }
+
+    /// Assert that all bushings near the sprockets of a drive have the contact of the interpolated bodies; return their number.
+    fn assert_teeth(drive: &Drive, tolerance: f64) -> usize {
+        let (model, adams, states) = scene(drive);
+        let mut count = 0;
+        for (s, sprocket) in model.sprockets.iter().enumerate() {
+            for k in 0..model.links {
+                let path = ToothPath::new(&model, &adams, k, s);
+                for (t, y) in &states {
+                    let body = match &model.rollers {
+                        Some(rollers) => (rollers.first, k),
+                        None => (0, model.link_of_bushing(k)),
+                    };
+                    let arm = if model.rollers.is_some() {
+                        0.0
+                    } else {
+                        model.bushing_arm(k)
+                    };
+                    let [place, velocity] = point(&model, y, body, arm);
+                    let frame = sprocket_frame(sprocket, *t, y, adams.y());
+                    let radius = model.teeth.contact_radius;
+                    let Some(exact) =
+                        bushing_on_sprocket(sprocket, &frame, place, velocity, radius)
+                    else {
+                        continue;
+                    };
+                    let found = path.at(*t);
+                    assert_eq!((found.gap, found.surface), (exact.gap, exact.surface));
+                    assert_eq!(found.region, exact.region);
+                    let (found, exact) = (found.contact, exact.contact);
+                    assert!((found.penetration - exact.penetration).abs() < tolerance);
+                    assert!((found.normal - exact.normal).norm() < 1e3 * tolerance);
+                    let rate = found.penetration_rate - exact.penetration_rate;
+                    assert!(rate.abs() < 1e3 * tolerance, "{s} {k}: {rate}");
+                    count += 1;
+                }
+            }
+        }
+        count
+    }
+
+    #[test]
+    fn a_bushing_near_teeth_inside_a_step_is_that_of_the_interpolated_bodies() {
+        let mut floating = drive();
+        floating.sprockets[1].bearing = Bearing::Floating;
+        let ramp = Table::new("speed", "rad/s", &[(0.0, 0.0), (1.0, 30.0)]).unwrap();
+        floating.sprockets[0].motion = SprocketMotion::PrescribedSpeed(ramp.into());
+        let arm = Some(Vec2::new(0.15, 0.05));
+        for (drive, tolerance) in [
+            (drive(), 1e-14),
+            (with_rollers(), 1e-14),
+            (floating, 1e-14),
+            // The tangents have the errors of a difference.
+            (with_tensioner(None), 1e-12),
+            (with_tensioner(arm), 1e-10),
+        ] {
+            // Half a wrap of each sprocket, at four times.
+            let count = assert_teeth(&drive, tolerance);
+            assert!(count > 4 * 14, "{count}");
+        }
+    }
+
+    #[test]
+    fn a_direction_turns_by_the_sum_of_angles() {
+        for angle in [-3.0, -0.0624, 1e-9, 0.03, 0.0624, 0.0626, 2.0] {
+            for before in [0.0, 1.2, -2.5] {
+                let found = turned(unit(before), angle);
+                // Two roundings.
+                assert!((found - unit(before + angle)).norm() < 5e-16, "{angle}");
+            }
+        }
+        // Along the axis the sine itself is compared.
+        let small = turned(Vec2::x(), 0.0624);
+        assert!((small.y - 0.0624f64.sin()).abs() <= 1.4e-17);
+        assert!((small.x - 0.0624f64.cos()).abs() <= 1.2e-16);
+    }
+}

@@ -155,3 +155,196 @@ fn in_gap(
         gap,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{compiled, drive, random};
+    use super::*;
+    use crate::chain::model::Model;
+    use crate::geometry::unit;
+
+    const RADIUS: f64 = 3.97e-3;
+
+    /// Return a sprocket with eccentric teeth.
+    fn model() -> Model {
+        compiled(&drive()).0
+    }
+
+    /// Return the place of a bushing that touches teeth: `part` of a gap from that of `gap`, above the bottom by `height` \[m\].
+    fn near_teeth(sprocket: &SprocketModel, gap: f64, height: f64) -> Vec2 {
+        let distance = sprocket.profile.seat_center_radius + height;
+        sprocket.offset + distance * unit(gap * sprocket.profile.gap_angle())
+    }
+
+    /// Return the frame of a sprocket at the time `t` \[s\] of a steady motion.
+    fn frame(t: f64) -> SprocketFrame {
+        let velocity = Vec2::new(0.4, -0.2);
+        SprocketFrame::new(
+            Vec2::new(0.3, 0.1) + t * velocity,
+            velocity,
+            0.8 - 7.0 * t,
+            -7.0,
+        )
+    }
+
+    /// Return a place in the frame of the sprocket in that of the ground.
+    fn on_ground(frame: &SprocketFrame, place: Vec2) -> Vec2 {
+        let (x, y) = (
+            Vec2::new(frame.cos, frame.sin),
+            Vec2::new(-frame.sin, frame.cos),
+        );
+        frame.center + place.x * x + place.y * y
+    }
+
+    #[test]
+    fn a_place_is_seen_from_the_centre_of_the_teeth_in_the_frame_of_the_sprocket() {
+        let model = model();
+        let (here, sprocket) = (frame(0.0), &model.sprockets[1]);
+        for place in [
+            Vec2::zeros(),
+            Vec2::new(0.03, -0.01),
+            Vec2::new(-0.02, 0.04),
+        ] {
+            let arm = on_ground(&here, sprocket.offset + place) - here.center;
+            assert!((seen_from_teeth(sprocket, &here, arm) - place).norm() < 1e-16);
+        }
+    }
+
+    #[test]
+    fn the_contact_is_that_of_the_profile_in_the_nearest_gap() {
+        let model = model();
+        let sprocket = &model.sprockets[1];
+        assert!(sprocket.offset.norm() > 1e-5);
+        let here = frame(0.0);
+        let mut next = random(5);
+        for gap in (0..21).cycle().take(3000) {
+            let (number, across) = (f64::from(gap), 0.45 * next());
+            let place = near_teeth(sprocket, number + across, 2e-3 * next());
+            let found = bushing_on_sprocket(
+                sprocket,
+                &here,
+                on_ground(&here, place),
+                Vec2::zeros(),
+                RADIUS,
+            )
+            .unwrap();
+            assert_eq!(found.gap, gap);
+            // The gap along y of its own frame, seen by turning the sprocket back.
+            let own = on_ground(
+                &SprocketFrame::new(
+                    Vec2::zeros(),
+                    Vec2::zeros(),
+                    std::f64::consts::FRAC_PI_2 - number * sprocket.profile.gap_angle(),
+                    0.0,
+                ),
+                place - sprocket.offset,
+            );
+            let exact = sprocket.profile.contact_in(
+                found.gap,
+                own - Vec2::new(0.0, sprocket.profile.seat_center_radius),
+                RADIUS,
+            );
+            assert_eq!((found.surface, found.region), (exact.surface, exact.region));
+            assert!((found.contact.penetration - exact.penetration).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_rate_is_the_change_of_the_penetration_and_the_normal_its_gradient() {
+        let model = model();
+        let sprocket = &model.sprockets[1];
+        let mut next = random(9);
+        let mut count = 0;
+        for _ in 0..500 {
+            let place = near_teeth(sprocket, 10.5 * (1.0 + next()), 1e-3 * next());
+            let velocity = 3.0 * Vec2::new(next(), next());
+            let begin = on_ground(&frame(0.0), place);
+            let at = |t: f64, beside: Vec2| {
+                bushing_on_sprocket(
+                    sprocket,
+                    &frame(t),
+                    begin + beside + t * velocity,
+                    velocity,
+                    RADIUS,
+                )
+                .unwrap()
+            };
+            let found = at(0.0, Vec2::zeros());
+            let (h, step) = (1e-8, 1e-8);
+            let [before, after] = [-h, h].map(|t| at(t, Vec2::zeros()));
+            let sides = [Vec2::x(), Vec2::y()].map(|axis| [-step, step].map(|x| at(0.0, x * axis)));
+            let same = |other: &OnGap| {
+                other.surface == found.surface
+                    && other.region == found.region
+                    && other.gap == found.gap
+            };
+            // Where the bushing passes to another surface, both sides of the difference are of two curves.
+            if ![&before, &after]
+                .into_iter()
+                .chain(sides.iter().flatten())
+                .all(same)
+            {
+                continue;
+            }
+            let rate = (after.contact.penetration - before.contact.penetration) / (2.0 * h);
+            // Rounding of 1e-17 m over the step of the difference, and its square over the radius.
+            assert!(
+                (found.contact.penetration_rate - rate).abs() < 1e-6,
+                "{rate}"
+            );
+            for (side, normal) in sides.iter().zip(found.contact.normal.iter()) {
+                let slope =
+                    (side[1].contact.penetration - side[0].contact.penetration) / (2.0 * step);
+                assert!((normal - slope).abs() < 1e-6, "{slope} {normal}");
+            }
+            count += 1;
+        }
+        assert!(count > 450, "{count}");
+    }
+
+    #[test]
+    fn a_bushing_out_of_reach_of_every_tooth_has_no_contact() {
+        let model = model();
+        let sprocket = &model.sprockets[1];
+        let here = frame(0.0);
+        for (distance, found) in [(0.999_999, true), (1.0, false), (1.000_001, false)] {
+            let point = here.center + distance * Vec2::new(sprocket.reach, 0.0);
+            let arm = point - here.center;
+            // Rounding decides at the reach itself.
+            if distance == 1.0 && arm.norm_squared() < sprocket.reach * sprocket.reach {
+                continue;
+            }
+            let contact = bushing_on_sprocket(sprocket, &here, point, Vec2::zeros(), RADIUS);
+            assert_eq!(contact.is_some(), found, "{distance}");
+        }
+    }
+
+    #[test]
+    fn a_bushing_that_has_left_a_gap_is_seen_in_the_nearest_one() {
+        let model = model();
+        let sprocket = &model.sprockets[1];
+        let here = frame(0.0);
+        for gap in 0..21u32 {
+            // Gaps ahead and the position beside their middle.
+            let beside = [
+                (18, 0.4),
+                (20, -0.4),
+                (20, 0.4),
+                (0, -0.4),
+                (0, 0.0),
+                (0, 0.4),
+                (1, -0.4),
+            ];
+            for (ahead, part) in beside {
+                let place = f64::from(gap + ahead) + part;
+                let point = on_ground(&here, near_teeth(sprocket, place, 1e-3));
+                let velocity = Vec2::new(0.7, 0.3);
+                let exact = bushing_on_sprocket(sprocket, &here, point, velocity, RADIUS).unwrap();
+                let found = bushing_near_gap(sprocket, &here, point, velocity, RADIUS, gap);
+                let nearest = (gap + ahead) % 21;
+                assert_eq!((found.gap, exact.gap), (nearest, nearest));
+                assert_eq!(found.contact, exact.contact);
+            }
+        }
+    }
+}

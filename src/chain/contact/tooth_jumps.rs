@@ -149,7 +149,7 @@ fn middle_of(seated: &[Seated], links: usize) -> Option<&Seated> {
     let count = seated.len();
     let break_behind = |&i: &usize| {
         let next = seated[(i + 1) % count].bushing;
-        (next + links - seated[i].bushing - 1) % links
+        (next + links - seated[i].bushing) % links
     };
     let last = (0..count).max_by_key(break_behind)?;
     seated.get((last + 1 + count / 2) % count)
@@ -185,6 +185,9 @@ mod tests {
         assert_eq!(middle(&[3, 4, 5, 6, 7], 38), Some(5));
         assert_eq!(middle(&[0, 1, 2, 36, 37], 38), Some(0));
         assert_eq!(middle(&[9], 38), Some(9));
+        // Of two, the second one along the chain.
+        assert_eq!(middle(&[0, 1], 38), Some(1));
+        assert_eq!(middle(&[0, 37], 38), Some(0));
         assert_eq!(middle(&[], 38), None);
     }
 
@@ -201,5 +204,149 @@ mod tests {
         assert_eq!((off(true, 2, 0), off(true, 37, 14)), (0, 0));
         assert_eq!((off(false, 2, 15), off(false, 37, 1)), (0, 0));
         assert_eq!((off(true, 2, 1), off(true, 2, 16)), (1, -1));
+    }
+    use super::super::tests::{compiled, drive};
+    use crate::geometry::unit;
+
+    /// Look at bushings 0 to 8 of a chain of 40 links on sprocket `s`, each in the gap of its number plus `moved`, counted as `rises` says.
+    fn look(
+        record: &mut ToothJumps,
+        model: &Model,
+        (t, s): (f64, usize),
+        rises: bool,
+        moved: impl Fn(usize) -> i64,
+    ) {
+        let teeth = i64::from(model.sprockets[s].profile.teeth);
+        // Numbers from 36 on, over the end of the chain.
+        let of = |i: usize| {
+            let number = i64::try_from(i).unwrap();
+            let gap = if rises { number } else { -number } + moved(i);
+            Seated {
+                bushing: (36 + i) % 40,
+                gap: u32::try_from(gap.rem_euclid(teeth)).unwrap(),
+            }
+        };
+        let mut seated: Vec<Seated> = (0..9).map(of).collect();
+        seated.sort_by_key(|each| each.bushing);
+        let sign = if rises { 1.0 } else { -1.0 };
+        record.look(model, (t, s), &seated, |k| {
+            unit(sign * ((k + 4) % 40) as f64 * 2.0 * std::f64::consts::PI / 17.0)
+        });
+    }
+
+    #[test]
+    fn a_chain_that_follows_its_sprocket_does_not_jump_and_one_that_slips_jumps_once_per_tooth() {
+        let (model, _) = compiled(&drive());
+        for (s, rises) in [(0, true), (0, false), (1, true), (1, false)] {
+            let mut record = ToothJumps::new(&model);
+            look(&mut record, &model, (0.0, s), rises, |_| 0);
+            look(&mut record, &model, (0.1, s), rises, |_| 0);
+            assert_eq!(record.jumps(), []);
+            // A gap with a higher number: the sprocket has turned clockwise relative to the chain.
+            look(&mut record, &model, (0.2, s), rises, |_| 1);
+            let jump = |time, direction| ToothJump {
+                time,
+                sprocket: s,
+                direction,
+            };
+            assert_eq!(record.jumps(), [jump(0.2, -1)]);
+            look(&mut record, &model, (0.3, s), rises, |_| 1);
+            look(&mut record, &model, (0.4, s), rises, |_| -1);
+            assert_eq!(record.jumps(), [jump(0.2, -1), jump(0.4, 1), jump(0.4, 1)]);
+            assert!(record.is_like(&model));
+            // Without a seated bushing there is nothing to see.
+            record.look(&model, (0.5, s), &[], |_| Vec2::zeros());
+            assert_eq!(record.jumps().len(), 3);
+            // New seatings are no jump.
+            record.lose_seatings();
+            look(&mut record, &model, (0.6, s), rises, |_| 5);
+            assert_eq!(record.jumps().len(), 3);
+        }
+    }
+
+    #[test]
+    fn gap_numbers_rise_along_a_chain_that_runs_counterclockwise_about_its_sprocket() {
+        let (model, _) = compiled(&drive());
+        for k in [0, 5, 39] {
+            // The neighbours of the middle bushing decide, also where they are not symmetric to it.
+            for (before, after) in [(-0.3, 0.3), (-0.3, -0.01), (0.01, 0.3)] {
+                for rises in [true, false] {
+                    let mut record = ToothJumps::new(&model);
+                    let sign = if rises { 1.0 } else { -1.0 };
+                    record.look(&model, (0.0, 0), &seated(&[(k, 3)]), |bushing| {
+                        let angles = [((k + 39) % 40, before), (k, 0.0), ((k + 1) % 40, after)];
+                        let found = angles.iter().find(|(number, _)| *number == bushing);
+                        found.map_or(Vec2::repeat(f64::NAN), |(_, angle)| unit(sign * angle))
+                    });
+                    assert_eq!(record.seatings[0].unwrap().rises, rises, "{k} {before}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bushings_that_return_to_their_gaps_have_not_jumped() {
+        let (model, _) = compiled(&drive());
+        let mut record = ToothJumps::new(&model);
+        let half = |i: usize| i64::from(i >= 3);
+        look(&mut record, &model, (0.0, 0), true, |_| 0);
+        // The middle bushing has moved, the first three have not; then all return, or all have moved.
+        look(&mut record, &model, (0.1, 0), true, half);
+        look(&mut record, &model, (0.2, 0), true, |_| 0);
+        assert_eq!(record.jumps(), []);
+        look(&mut record, &model, (0.3, 0), true, half);
+        look(&mut record, &model, (0.4, 0), true, half);
+        look(&mut record, &model, (0.5, 0), true, |_| 1);
+        assert_eq!(record.jumps().len(), 1);
+        assert_eq!(record.jumps()[0].time, 0.5);
+    }
+
+    #[test]
+    fn a_run_that_restarts_before_a_jump_sees_it_again() {
+        let (model, _) = compiled(&drive());
+        let mut record = ToothJumps::new(&model);
+        look(&mut record, &model, (0.0, 0), true, |_| 0);
+        look(&mut record, &model, (0.2, 0), true, |_| 1);
+        look(&mut record, &model, (0.4, 0), true, |_| -1);
+        assert_eq!(record.jumps().len(), 3);
+        let first = record.jumps()[0];
+        // A jump at the time of the restart remains.
+        record.remove_after(&model, 0.4);
+        assert_eq!(record.jumps().len(), 3);
+        record.remove_after(&model, 0.3);
+        assert_eq!(record.jumps(), [first]);
+        look(&mut record, &model, (0.35, 0), true, |_| 1);
+        assert_eq!(record.jumps(), [first]);
+        record.remove_after(&model, 0.1);
+        assert_eq!(record.jumps(), []);
+        look(&mut record, &model, (0.15, 0), true, |_| 0);
+        assert_eq!(record.jumps(), []);
+    }
+
+    #[test]
+    fn a_record_of_other_sprockets_bushings_or_gaps_is_not_of_the_model() {
+        let (model, _) = compiled(&drive());
+        let of = |bushing: usize, gap: u32, sprocket: usize| {
+            let mut record = ToothJumps::new(&model);
+            let middle = Seated { bushing, gap };
+            record.seatings[1] = Some(Seating {
+                middle,
+                rises: true,
+            });
+            record.jumps.push(ToothJump {
+                time: 0.0,
+                sprocket,
+                direction: 1,
+            });
+            record
+        };
+        assert!(ToothJumps::new(&model).is_like(&model));
+        assert!(of(39, 20, 1).is_like(&model));
+        assert!(!of(40, 20, 1).is_like(&model));
+        assert!(!of(39, 21, 1).is_like(&model));
+        assert!(!of(39, 20, 2).is_like(&model));
+        let mut other = ToothJumps::new(&model);
+        other.seatings.push(None);
+        assert!(!other.is_like(&model));
     }
 }

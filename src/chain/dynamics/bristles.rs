@@ -118,7 +118,6 @@ impl Dynamics {
             if let Some(coordinate) = self.bristle_of(self.events.parted[i]) {
                 for component in [coordinate, self.model.coordinates + coordinate] {
                     adams.reset_component(component);
-                    self.ends.reset_component(component);
                 }
             }
         }

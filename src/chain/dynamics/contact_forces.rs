@@ -60,8 +60,20 @@ impl Dynamics {
     /// Write the tooth force on every bushing, summed over all sprockets, at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_tooth_forces(&self, forces: &mut [f64]) {
         forces.fill(0.0);
-        let contacts = self.kernels.tooth_contacts(&self.model);
-        contacts.for_each(|(_, k, _, force)| forces[k] += force);
+        for candidates in &self.kernels.candidates.sprockets {
+            for run in &candidates.runs {
+                let on_teeth = &candidates.force[run.slot..][..run.length];
+                // A run may continue from the last bushing to the first one. Both parts are slices: loops over them are vectorized.
+                let (on_last, on_first) =
+                    on_teeth.split_at(run.length.min(forces.len() - run.first));
+                for (sum, force) in forces[run.first..].iter_mut().zip(on_last) {
+                    *sum += force;
+                }
+                for (sum, force) in forces.iter_mut().zip(on_first) {
+                    *sum += force;
+                }
+            }
+        }
     }
 
     /// Return sprocket, bushing, penetration \[m\] (zero where apart) and normal force \[N\] of every candidate.

@@ -2,101 +2,8 @@
 //!
 //! The path is the cubic through values and slopes at both ends of the step, whatever the integrator's order.
 
-#![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
-
-use pulp::{Simd, WithSimd};
-
 use super::{Dynamics, Powers};
 use crate::integrator::{Adams, Step};
-use crate::math::simd::{Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
-
-/// Values and slopes at both ends of a step: what the path inside it is interpolated from.
-#[derive(Debug, Clone)]
-pub(super) struct StepEnds {
-    y: Numbers,
-    slope: Numbers,
-    end: Numbers,
-    end_slope: Numbers,
-}
-
-impl StepEnds {
-    pub(super) fn new(dimension: usize) -> Self {
-        let zeros = || padded_zeros(dimension);
-        Self {
-            y: zeros(),
-            slope: zeros(),
-            end: zeros(),
-            end_slope: zeros(),
-        }
-    }
-
-    /// Set `y` and its derivative `slope` as the start of the next step.
-    pub(super) fn begin(&mut self, y: &[f64], slope: &[f64]) {
-        self.y[..y.len()].copy_from_slice(y);
-        self.slope[..slope.len()].copy_from_slice(slope);
-    }
-
-    /// Set a component of the start of the next step to zero.
-    pub(super) fn reset_component(&mut self, component: usize) {
-        (self.y[component], self.slope[component]) = (0.0, 0.0);
-    }
-
-    /// Return the derivative of a component at the start of the step.
-    #[cfg(test)]
-    pub(super) fn slope(&self, component: usize) -> f64 {
-        self.slope[component]
-    }
-
-    /// Set the end of the step to the present state of `adams`.
-    fn end(&mut self, adams: &Adams) {
-        let y = adams.y();
-        self.end[..y.len()].copy_from_slice(y);
-        adams.write_slope(&mut self.end_slope[..y.len()]);
-    }
-
-    /// Set the end of this step as the start of the next one.
-    fn advance(&mut self) {
-        std::mem::swap(&mut self.y, &mut self.end);
-        std::mem::swap(&mut self.slope, &mut self.end_slope);
-    }
-}
-
-/// The cubic through values and slopes at both ends of a step, at a `part` of its `length` \[s\].
-struct Between<'a> {
-    ends: &'a StepEnds,
-    part: f64,
-    length: f64,
-    y: &'a mut [f64],
-}
-
-impl WithSimd for Between<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (part, rest) = (self.part, 1.0 - self.part);
-        let splat = |value| Lanes::splat(simd, value);
-        let from = splat((1.0 + 2.0 * part) * rest * rest);
-        let from_slope = splat(self.length * part * rest * rest);
-        let to_slope = splat(-self.length * part * part * rest);
-        let blocks = self.y.len() / S::F64_LANES;
-        let StepEnds {
-            y,
-            slope,
-            end,
-            end_slope,
-        } = self.ends;
-        let ends = [y, end].map(|y| vectors::<S>(y, blocks));
-        let slopes = [slope, end_slope].map(|slope| vectors::<S>(slope, blocks));
-        let y = vectors_mut::<S>(self.y, blocks);
-        for b in 0..blocks {
-            let [start, end] = ends.map(|y| load(simd, &y[b]));
-            let [rise, fall] = slopes.map(|slope| load(simd, &slope[b]));
-            let bend = rise.mul_add(from_slope, fall * to_slope);
-            y[b] = (from.mul_add(start - end, end) + bend).values();
-        }
-    }
-}
 
 impl Dynamics {
     /// Divide each step into `fineness` panels from now on, a power of two; 0: as many as the powers need.
@@ -109,20 +16,12 @@ impl Dynamics {
         self.keep_energy(true);
         self.differentiate(adams.time(), adams.y());
         self.quadrature.begin(adams.time(), self.powers);
-        self.resume_energy_quadrature(adams);
     }
 
-    /// Set the present state of `adams` as the start of the next step, while energy is kept.
+    /// Begin the next step with the powers at the present state of `adams`, while energy is kept: they may have jumped at a start.
     pub(super) fn resume_energy_quadrature(&mut self, adams: &Adams) {
-        if !self.keeps_energy {
-        } else if !adams.is_starting() {
-            self.ends.end(adams);
-            self.ends.advance();
-        } else {
-            // The integrator has no slope before its first step from a start. Powers and slopes may have jumped at an input's kink.
-            self.differentiate(adams.time(), adams.y());
-            self.quadrature.begin(adams.time(), self.powers);
-            self.ends.begin(adams.y(), &self.slope);
+        if self.keeps_energy && adams.is_starting() {
+            self.begin_energy_quadrature(adams);
         }
     }
 
@@ -164,8 +63,6 @@ impl Dynamics {
         let mut quadrature = std::mem::take(&mut self.quadrature);
         let mut y = std::mem::take(&mut self.inside);
         let mut slope = std::mem::take(&mut self.slope);
-        self.ends.end(adams);
-        let length = step.end - step.start;
         let coordinates = self.model.coordinates;
         if let Some((gamma, correction)) = adams.correction_after_evaluation() {
             if smooth && self.has_power_slopes() {
@@ -177,15 +74,9 @@ impl Dynamics {
         }
         let at_end = self.powers;
         quadrature.add_step(step, (at_end, smooth), |part, t| {
-            self.kernels.instructions().run(Between {
-                ends: &self.ends,
-                part,
-                length,
-                y: &mut y,
-            });
+            adams.write_cubic(part, &mut y);
             self.powers_at(t, &y[..slope.len()], &mut slope[coordinates..])
         });
-        self.ends.advance();
         (self.quadrature, self.inside, self.slope) = (quadrature, y, slope);
         self.powers = at_end;
     }

@@ -67,12 +67,8 @@ impl Dynamics {
         } = &mut *self.reader;
         let (model, memory, place) = (&self.model, &self.memory, (&self.evaluated.motion, t));
         kernels.candidates.invalidate();
-        let powers = if self.keeps_energy {
-            kernels.evaluate_placed::<true>(model, memory, place, state, accelerations)
-        } else {
-            kernels.evaluate_placed::<false>(model, memory, place, state, accelerations);
-            Powers::default()
-        };
+        kernels.keep_powers(self.keeps_energy);
+        let powers = kernels.evaluate_placed(model, memory, place, state, accelerations);
         self.evaluated.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
         self.evaluated
             .accelerations

@@ -26,7 +26,6 @@ use std::sync::Arc;
 pub use bristles::{Bristles, Stored};
 pub use checkpoint::Checkpoint;
 use contact_events::{ContactEvents, Pair};
-use energy_quadrature::StepEnds;
 pub use evaluation::Evaluation;
 use inputs::Inputs;
 use law_ranges::PastRanges;
@@ -65,8 +64,6 @@ pub struct Dynamics {
     powers: Powers,
     quadrature: EnergyQuadrature<Powers>,
     inputs: Inputs,
-    /// Both ends of the metered step, or the start of the next one.
-    ends: StepEnds,
     events: ContactEvents,
     past_ranges: PastRanges,
     /// Scratch: derivative of the state.
@@ -96,7 +93,6 @@ impl Dynamics {
             powers: Powers::default(),
             quadrature: EnergyQuadrature::new(),
             inputs: Inputs::new(&model),
-            ends: StepEnds::new(2 * model.coordinates),
             events: ContactEvents::new(&model),
             past_ranges: PastRanges::default(),
             slope: vec![0.0; 2 * model.coordinates],
@@ -139,11 +135,8 @@ impl Dynamics {
     /// Write the accelerations at (`t`, `y`) of all coordinates.
     fn accelerate(&mut self, t: f64, y: &[f64], accelerations: &mut [f64]) {
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
-        if self.keeps_energy {
-            self.powers = kernels.accelerations::<true>(model, memory, t, y, accelerations);
-        } else {
-            kernels.accelerations::<false>(model, memory, t, y, accelerations);
-        }
+        kernels.keep_powers(self.keeps_energy);
+        self.powers = kernels.accelerations(model, memory, t, y, accelerations);
     }
 
     /// Evaluate the right-hand side at (`t`, `y`) and discard the derivative.

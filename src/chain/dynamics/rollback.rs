@@ -56,7 +56,6 @@ impl Dynamics {
         self.kernels.watch.advance();
         if self.keeps_energy {
             self.quadrature.begin(t, self.powers);
-            self.ends.begin(y, &derivative);
         }
         self.slope = derivative;
     }

@@ -58,18 +58,22 @@ impl ToothTerms {
         }
     }
 
-    /// Set all terms to zero.
+    /// Set all terms to zero: those of marked groups, and the copy of the last bushing.
     #[inline(always)]
     pub(super) fn clear<S: Simd, const FRICTION: bool>(&mut self, simd: S) {
         let zero = Lanes::splat(simd, 0.0);
-        each_array!(self, FRICTION, |array| {
-            for pack in array.as_chunks_mut::<WIDTH>().0 {
+        for number in 0..self.touched.len() {
+            let behind_base = number >= BASE / WIDTH;
+            if behind_base && !std::mem::take(&mut self.touched[number - BASE / WIDTH]) {
+                continue;
+            }
+            each_array!(self, FRICTION, |array| {
+                let pack = &mut array.as_chunks_mut::<WIDTH>().0[number];
                 for part in parts::<S>() {
                     put_part(pack, part, zero);
                 }
-            }
-        });
-        self.touched.fill(false);
+            });
+        }
     }
 
     /// Mark the group with bushing `k`.

@@ -39,8 +39,7 @@ pub(crate) struct ChainFound {
 }
 
 /// Kernel of the chain, one instance per contact law. `DAMPED`: with the damping factor; `FRICTION`: with friction; `BRISTLED`:
-/// friction by bristles; `EXTRA`: with lubricant, elastic plates and friction, as far as the model has them; `ENERGY`: with the
-/// dissipated power.
+/// friction by bristles; `EXTRA`: with lubricant, elastic plates and friction, as far as the model has them.
 pub(crate) struct EvaluateHinges<
     'a,
     L,
@@ -48,7 +47,6 @@ pub(crate) struct EvaluateHinges<
     const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
-    const ENERGY: bool,
 > {
     pub(crate) law: PhantomData<L>,
     pub(crate) hinges: Joints<'a>,
@@ -72,8 +70,7 @@ impl<
     const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
-    const ENERGY: bool,
-> WithSimd for EvaluateHinges<'_, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>
+> WithSimd for EvaluateHinges<'_, L, DAMPED, FRICTION, BRISTLED, EXTRA>
 {
     type Output = ChainFound;
 
@@ -86,14 +83,13 @@ impl<
         let arrays = self.arrays;
         write_directions::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
         write_sprocket_directions::<S>(simd, arrays);
-        let (mut hinges, direction) =
-            Hinges::<S, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>::new(
-                simd,
-                self.hinges,
-                self.constants,
-                arrays,
-                blocks,
-            );
+        let (mut hinges, direction) = Hinges::<S, L, DAMPED, FRICTION, BRISTLED, EXTRA>::new(
+            simd,
+            self.hinges,
+            self.constants,
+            arrays,
+            blocks,
+        );
         hinges.attach_optional_forces(self.lubricant, self.compliance);
         let [x, y, _] = self.places;
         let [vx, vy, spin] = self.speeds;

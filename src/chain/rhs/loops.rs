@@ -37,7 +37,7 @@ fn bristling<'a>(
 
 impl Kernels {
     /// Evaluate the hinges with the loop instance for the options of `model`.
-    pub(super) fn evaluate_hinges<L: ElasticLaw, const ENERGY: bool>(
+    pub(super) fn evaluate_hinges<L: ElasticLaw>(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
@@ -72,48 +72,42 @@ impl Kernels {
             floor: model.min_impact_velocity,
             inverse_impact_velocity: memory.hinge_inverse_impact_velocity(),
             reference: &self.candidates.reference,
+            powers: self.keeps_powers,
             slopes,
             friction,
             bristles,
         };
         macro_rules! join {
-            ($damped:literal, $friction:literal, $bristled:literal, $extra:literal, $energy:expr) => {
-                self.instructions.run(EvaluateHinges::<
-                    L,
-                    $damped,
-                    $friction,
-                    $bristled,
-                    $extra,
-                    { $energy },
-                > {
-                    law: PhantomData,
-                    hinges,
-                    places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
-                    speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                    overhang: self.candidates.overhang,
-                    constants: &self.links,
-                    arrays: &mut self.chain,
-                    lubricant,
-                    compliance: self.links.compliance.as_deref(),
-                })
+            ($damped:literal, $friction:literal, $bristled:literal, $extra:literal) => {
+                self.instructions
+                    .run(EvaluateHinges::<L, $damped, $friction, $bristled, $extra> {
+                        law: PhantomData,
+                        hinges,
+                        places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
+                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                        overhang: self.candidates.overhang,
+                        constants: &self.links,
+                        arrays: &mut self.chain,
+                        lubricant,
+                        compliance: self.links.compliance.as_deref(),
+                    })
             };
         }
-        // Loops with friction always compute the dissipated power: this costs less than one more instance of each loop.
         if model.hinges.bristles.is_some() {
-            join!(true, true, true, true, true)
+            join!(true, true, true, true)
         } else if model.hinges.has_film_or_compliance() {
-            join!(true, true, false, true, true)
+            join!(true, true, false, true)
         } else if has_friction {
-            join!(true, true, false, false, true)
+            join!(true, true, false, false)
         } else if law.lambda > 0.0 {
-            join!(true, false, false, false, ENERGY)
+            join!(true, false, false, false)
         } else {
-            join!(false, false, false, false, false)
+            join!(false, false, false, false)
         }
     }
 
     /// Evaluate the rollers on their bushings with the loop instance for the options of `model`.
-    pub(super) fn evaluate_rollers<L: ElasticLaw, const ENERGY: bool>(
+    pub(super) fn evaluate_rollers<L: ElasticLaw>(
         &mut self,
         model: &Model,
         of: &RollerModel,
@@ -146,38 +140,34 @@ impl Kernels {
             floor: model.min_impact_velocity,
             inverse_impact_velocity: memory.roller_inverse_impact_velocity(),
             reference: &self.candidates.reference,
+            powers: self.keeps_powers,
             slopes,
             friction,
             bristles,
         };
         macro_rules! join {
-            ($damped:literal, $friction:literal, $bristled:literal, $energy:expr) => {
-                self.instructions.run(EvaluateRollers::<
-                    L,
-                    $damped,
-                    $friction,
-                    $bristled,
-                    { $energy },
-                > {
-                    law: PhantomData,
-                    bores,
-                    places: [&q[..n], &q[n..2 * n]],
-                    speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                    overhang: self.candidates.overhang,
-                    links: &self.links,
-                    chain: &mut self.chain,
-                    rollers,
-                })
+            ($damped:literal, $friction:literal, $bristled:literal) => {
+                self.instructions
+                    .run(EvaluateRollers::<L, $damped, $friction, $bristled> {
+                        law: PhantomData,
+                        bores,
+                        places: [&q[..n], &q[n..2 * n]],
+                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                        overhang: self.candidates.overhang,
+                        links: &self.links,
+                        chain: &mut self.chain,
+                        rollers,
+                    })
             };
         }
         if model.hinges.bristles.is_some() {
-            join!(true, true, true, true)
+            join!(true, true, true)
         } else if has_friction {
-            join!(true, true, false, true)
+            join!(true, true, false)
         } else if of.law.lambda > 0.0 {
-            join!(true, false, false, ENERGY)
+            join!(true, false, false)
         } else {
-            join!(false, false, false, false)
+            join!(false, false, false)
         }
     }
 
@@ -209,11 +199,7 @@ impl Kernels {
     }
 
     /// Evaluate the teeth of sprocket `s` with the loop instance for its tooth form and the options of `model`.
-    pub(super) fn evaluate_teeth<L: ElasticLaw, const ENERGY: bool>(
-        &mut self,
-        model: &Model,
-        s: usize,
-    ) -> TeethFound {
+    pub(super) fn evaluate_teeth<L: ElasticLaw>(&mut self, model: &Model, s: usize) -> TeethFound {
         let law = &model.teeth.law;
         let slopes = requested(&mut self.newton, self.writes_slopes);
         let slopes = slopes.map(|slopes| &mut slopes.teeth[s]);
@@ -236,41 +222,36 @@ impl Kernels {
         } = &self.teeth[self.kind[s]];
         let keeps_stiffness = *keeps_stiffness;
         macro_rules! touch {
-            ($constants:expr, $damped:literal, $friction:literal, $bristled:literal, $energy:expr) => {
-                self.instructions.run(EvaluateTeeth::<
-                    _,
-                    L,
-                    $damped,
-                    $friction,
-                    $bristled,
-                    { $energy },
-                > {
-                    law: PhantomData,
-                    sprocket: &model.sprockets[s],
-                    constants: $constants,
-                    keeps_stiffness,
-                    pose: &self.poses[s],
-                    lambda: law.lambda,
-                    floor: model.min_impact_velocity,
-                    links,
-                    arrays,
-                    candidates: &mut self.candidates.sprockets[s],
-                    slopes,
-                    friction,
-                    bristles,
-                })
+            ($constants:expr, $damped:literal, $friction:literal, $bristled:literal) => {
+                self.instructions
+                    .run(EvaluateTeeth::<_, L, $damped, $friction, $bristled> {
+                        law: PhantomData,
+                        sprocket: &model.sprockets[s],
+                        constants: $constants,
+                        keeps_stiffness,
+                        pose: &self.poses[s],
+                        lambda: law.lambda,
+                        floor: model.min_impact_velocity,
+                        links,
+                        arrays,
+                        candidates: &mut self.candidates.sprockets[s],
+                        powers: self.keeps_powers,
+                        slopes,
+                        friction,
+                        bristles,
+                    })
             };
         }
         let bristled = model.teeth.bristles.is_some();
         match form {
-            Form::Ansi(gap) if bristled => touch!(gap, true, true, true, true),
-            Form::Ansi(gap) if friction.is_some() => touch!(gap, true, true, false, true),
-            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, false, ENERGY),
-            Form::Ansi(gap) => touch!(gap, false, false, false, false),
-            Form::Table(gap) if bristled => touch!(gap, true, true, true, true),
-            Form::Table(gap) if friction.is_some() => touch!(gap, true, true, false, true),
-            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, false, ENERGY),
-            Form::Table(gap) => touch!(gap, false, false, false, false),
+            Form::Ansi(gap) if bristled => touch!(gap, true, true, true),
+            Form::Ansi(gap) if friction.is_some() => touch!(gap, true, true, false),
+            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),
+            Form::Ansi(gap) => touch!(gap, false, false, false),
+            Form::Table(gap) if bristled => touch!(gap, true, true, true),
+            Form::Table(gap) if friction.is_some() => touch!(gap, true, true, false),
+            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),
+            Form::Table(gap) => touch!(gap, false, false, false),
         }
     }
 }

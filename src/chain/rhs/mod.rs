@@ -72,6 +72,8 @@ pub(crate) struct Kernels {
     bristles: Option<Box<BristleState>>,
     /// Whether evaluations write the slopes for Newton's matrix.
     writes_slopes: bool,
+    /// Whether evaluations compute the powers of all forces.
+    keeps_powers: bool,
     /// Scratch: bushings seated on one sprocket.
     seated: Vec<Seated>,
 }
@@ -104,6 +106,7 @@ impl Kernels {
             newton: None,
             bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
             writes_slopes: false,
+            keeps_powers: false,
             seated: Vec::with_capacity(model.links),
         }
     }
@@ -118,9 +121,13 @@ impl Kernels {
         self.instructions
     }
 
-    /// Write the accelerations at (`t`, `y`) into `accelerations`, coordinate by coordinate; return the powers when an energy balance is
-    /// kept.
-    pub(crate) fn accelerations<const ENERGY: bool>(
+    /// Switch on or off the powers of all forces for the next evaluations.
+    pub(crate) fn keep_powers(&mut self, keep: bool) {
+        self.keeps_powers = keep;
+    }
+
+    /// Write the accelerations at (`t`, `y`) into `accelerations`, coordinate by coordinate; return the powers where they are kept.
+    pub(crate) fn accelerations(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
@@ -129,11 +136,11 @@ impl Kernels {
         accelerations: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
-        self.accelerate_placed::<ENERGY>(model, memory, t, y, accelerations)
+        self.accelerate_placed(model, memory, t, y, accelerations)
     }
 
     /// Evaluate as [`Self::accelerations`] with sprockets that are positioned already.
-    fn accelerate_placed<const ENERGY: bool>(
+    fn accelerate_placed(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
@@ -141,7 +148,7 @@ impl Kernels {
         y: &[f64],
         accelerations: &mut [f64],
     ) -> Powers {
-        let losses = self.evaluate_forces::<ENERGY>(model, memory, y, accelerations);
+        let losses = self.evaluate_forces(model, memory, y, accelerations);
         self.put_bristles(model, accelerations);
         self.accelerate_links(model, accelerations);
         self.accelerate_rollers(model, accelerations);
@@ -149,7 +156,7 @@ impl Kernels {
             Self::move_ends(ends, t, accelerations);
         }
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
-        if ENERGY {
+        if self.keeps_powers {
             self.all_powers(model, losses, t)
         } else {
             Powers::default()
@@ -166,22 +173,22 @@ impl Kernels {
         bristle_rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
-        let losses = self.evaluate_forces::<true>(model, memory, y, bristle_rates);
+        self.keep_powers(true);
+        let losses = self.evaluate_forces(model, memory, y, bristle_rates);
         self.all_powers(model, losses, t)
     }
 
     /// Evaluate the forces of all contacts at `y`; return the losses.
-    fn evaluate_forces<const ENERGY: bool>(
+    fn evaluate_forces(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
         y: &[f64],
         bristle_rates: &mut [f64],
     ) -> Losses {
-        let (moved_squared, mut losses) =
-            self.evaluate_joints::<ENERGY>(model, memory, y, bristle_rates);
+        let (moved_squared, mut losses) = self.evaluate_joints(model, memory, y, bristle_rates);
         let at = (y, moved_squared);
-        self.evaluate_all_teeth::<ENERGY>(model, memory, at, bristle_rates, &mut losses);
+        self.evaluate_all_teeth(model, memory, at, bristle_rates, &mut losses);
         losses
     }
 
@@ -200,7 +207,7 @@ impl Kernels {
 
     /// Evaluate hinges and rollers at `y`; return the largest squared distance of the bodies on the teeth from their references
     /// \[m²\], and the losses. `bristle_rates` is the array of all accelerations, of which only the rates of the bristles are written.
-    fn evaluate_joints<const ENERGY: bool>(
+    fn evaluate_joints(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
@@ -215,7 +222,7 @@ impl Kernels {
             }
         }
         let chain = with_law!(&model.hinges.law.pairs, Law, pairs => {
-            self.evaluate_hinges::<Law, ENERGY>(model, memory, pairs[0], y)
+            self.evaluate_hinges::<Law>(model, memory, pairs[0], y)
         });
         if let Some(ends) = &model.ends {
             self.chain.forget_open_hinges(ends);
@@ -229,7 +236,7 @@ impl Kernels {
                 self.chain.spin_bushings(&self.links, spins, 0);
             }
             with_law!(&of.law.pairs, Law, pairs => {
-                self.evaluate_rollers::<Law, ENERGY>(model, of, memory, pairs[0], y)
+                self.evaluate_rollers::<Law>(model, of, memory, pairs[0], y)
             })
         });
         if let (Some(rollers), Some(_)) = (&mut self.rollers, &model.ends) {
@@ -251,7 +258,7 @@ impl Kernels {
 
     /// Evaluate the teeth at `y`, after hinges and rollers, with the squared distance that [`Self::evaluate_joints`] returns; add the losses
     /// of the teeth.
-    fn evaluate_all_teeth<const ENERGY: bool>(
+    fn evaluate_all_teeth(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
@@ -274,7 +281,7 @@ impl Kernels {
         for s in 0..model.sprockets.len() {
             self.take_tooth_bristles(model, s, y);
             let teeth = with_law!(&model.teeth.law.pairs, Law, _pairs => {
-                self.evaluate_teeth::<Law, ENERGY>(model, s)
+                self.evaluate_teeth::<Law>(model, s)
             });
             self.put_tooth_bristles(model, s, bristle_rates);
             self.changed[ContactKind::Teeth as usize] |= teeth.changed;

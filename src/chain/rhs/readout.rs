@@ -110,7 +110,7 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
 
 impl Kernels {
     /// Evaluate with the sprockets at the positions of `motion` and everything else at `y`; write accelerations into `rates`.
-    pub(crate) fn evaluate_placed<const ENERGY: bool>(
+    pub(crate) fn evaluate_placed(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
@@ -119,7 +119,7 @@ impl Kernels {
         rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets_as(model, motion);
-        self.accelerate_placed::<ENERGY>(model, memory, t, y, rates)
+        self.accelerate_placed(model, memory, t, y, rates)
     }
 
     /// Evaluate contacts without accelerations: hinges and rollers, and on request `teeth`.
@@ -132,9 +132,10 @@ impl Kernels {
         teeth: bool,
     ) {
         self.place_sprockets_as(model, motion);
-        let (moved_squared, mut losses) = self.evaluate_joints::<false>(model, memory, y, rates);
+        self.keep_powers(false);
+        let (moved_squared, mut losses) = self.evaluate_joints(model, memory, y, rates);
         if teeth {
-            self.evaluate_all_teeth::<false>(model, memory, (y, moved_squared), rates, &mut losses);
+            self.evaluate_all_teeth(model, memory, (y, moved_squared), rates, &mut losses);
         }
         self.put_bristles(model, rates);
     }

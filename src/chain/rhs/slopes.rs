@@ -110,13 +110,12 @@ pub(crate) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize
 }
 
 impl SlopeGroup {
-    /// Write vector `part`: n, force, slopes with penetration and rate, κ; with `ENERGY` the slopes of the power, too.
+    /// Write vector `part`: n, force, slopes with penetration and rate, κ.
     #[inline(always)]
-    pub(super) fn put<S: Simd, const ENERGY: bool>(
+    pub(super) fn put<S: Simd>(
         &mut self,
         part: usize,
         [nx, ny, force, stiffness, damping, curvature]: [Lanes<S>; 6],
-        power: [Lanes<S>; 2],
     ) {
         self.normal[0].put(part, nx);
         self.normal[1].put(part, ny);
@@ -124,8 +123,11 @@ impl SlopeGroup {
         self.stiffness.put(part, stiffness);
         self.damping.put(part, damping);
         self.curvature.put(part, curvature);
-        if ENERGY {
-            write(&mut self.power, part, power);
-        }
+    }
+
+    /// Write vector `part` of the slopes of the power dissipated.
+    #[inline(always)]
+    pub(super) fn put_power<S: Simd>(&mut self, part: usize, power: [Lanes<S>; 2]) {
+        write(&mut self.power, part, power);
     }
 }

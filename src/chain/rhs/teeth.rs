@@ -50,7 +50,6 @@ pub(crate) struct EvaluateTeeth<
     const DAMPED: bool,
     const FRICTION: bool,
     const BRISTLED: bool,
-    const ENERGY: bool,
 > {
     pub(crate) law: PhantomData<L>,
     pub(crate) sprocket: &'a SprocketModel,
@@ -63,6 +62,8 @@ pub(crate) struct EvaluateTeeth<
     pub(crate) links: &'a LinkConstants,
     pub(crate) arrays: &'a mut ChainArrays,
     pub(crate) candidates: &'a mut SprocketCandidates,
+    /// Whether the dissipated powers and their slopes are requested.
+    pub(crate) powers: bool,
     /// Output for the slopes of the forces and of friction, slot by slot, if requested.
     pub(crate) slopes: Option<&'a mut ContactSlopes>,
     /// Friction for `FRICTION`.
@@ -71,21 +72,15 @@ pub(crate) struct EvaluateTeeth<
     pub(crate) bristles: Option<Bristling<'a>>,
 }
 
-impl<
-    C: GapConstants,
-    L: ElasticLaw,
-    const DAMPED: bool,
-    const FRICTION: bool,
-    const BRISTLED: bool,
-    const ENERGY: bool,
-> WithSimd for EvaluateTeeth<'_, C, L, DAMPED, FRICTION, BRISTLED, ENERGY>
+impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool>
+    WithSimd for EvaluateTeeth<'_, C, L, DAMPED, FRICTION, BRISTLED>
 {
     type Output = TeethFound;
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
-        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, FRICTION, BRISTLED, ENERGY> {
+        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, FRICTION, BRISTLED> {
             law: PhantomData,
             gap: self.constants.gap(simd),
             center: splat_two(simd, self.pose.center),
@@ -97,6 +92,7 @@ impl<
                 floor: splat(self.floor),
             },
             keeps_stiffness: self.keeps_stiffness,
+            powers: self.powers,
             changed: false,
             sums: [PartialSums::default(); 4],
             friction_power: PartialSums::default(),
@@ -142,22 +138,14 @@ impl<
             force: [x.total(), y.total()],
             moment: moment.total(),
             changed: teeth.changed,
-            dissipated: dissipated.total(),
-            friction_power: teeth.lost_to_friction(),
+            dissipated: dissipated.total_if(self.powers && DAMPED),
+            friction_power: teeth.friction_power.total_if(self.powers && FRICTION),
         }
     }
 }
 
 /// Teeth of a sprocket in SIMD vectors, and sums over their contacts.
-struct Teeth<
-    S: Simd,
-    G,
-    L,
-    const DAMPED: bool,
-    const FRICTION: bool,
-    const BRISTLED: bool,
-    const ENERGY: bool,
-> {
+struct Teeth<S: Simd, G, L, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> {
     law: PhantomData<L>,
     gap: G,
     center: [Lanes<S>; 2],
@@ -166,6 +154,8 @@ struct Teeth<
     spin: Lanes<S>,
     damping: RestitutionDamping<Lanes<S>>,
     keeps_stiffness: bool,
+    /// Whether powers are requested.
+    powers: bool,
     changed: bool,
     /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
     sums: [PartialSums; 4],
@@ -182,19 +172,8 @@ impl<
     const DAMPED: bool,
     const FRICTION: bool,
     const BRISTLED: bool,
-    const ENERGY: bool,
-> Teeth<S, G, L, DAMPED, FRICTION, BRISTLED, ENERGY>
+> Teeth<S, G, L, DAMPED, FRICTION, BRISTLED>
 {
-    /// Return the power dissipated by friction \[W\], if requested.
-    #[inline(always)]
-    fn lost_to_friction(&self) -> f64 {
-        if FRICTION && ENERGY {
-            self.friction_power.total()
-        } else {
-            0.0
-        }
-    }
-
     /// Return the positions of bushings relative to the sprocket's centre \[m\].
     #[inline(always)]
     fn arm(&self, b: usize, run: &RunOfBushings<S>) -> [Lanes<S>; 2] {
@@ -237,7 +216,10 @@ impl<
             run.force[b] = zero.values();
             if let Some(slopes) = &mut run.slopes {
                 let (group, part) = group_of::<S, _>(slopes, b);
-                group.put::<S, ENERGY>(part, [zero; 6], [zero; 2]);
+                group.put(part, [zero; 6]);
+                if self.powers {
+                    group.put_power(part, [zero; 2]);
+                }
             }
             if FRICTION {
                 run.friction_arrays.friction[b] = zero.values();
@@ -288,16 +270,19 @@ impl<
             ContactLane::undamped(elastic)
         };
         let force = contact.force;
-        if DAMPED && ENERGY {
+        if DAMPED && self.powers {
             self.sums[3].add(b, contact.power());
         }
         if let Some(slopes) = &mut run.slopes {
             let alone = L::slope(law_constants, depth, elastic);
             let [stiffness, damping] = contact.slopes(alone);
             let entries = [nx, ny, force, stiffness, damping, curvature];
-            let power = contact.power_slopes(alone, [stiffness, damping]);
             let (group, part) = group_of::<S, _>(slopes, b);
-            group.put::<S, ENERGY>(part, entries, power);
+            group.put(part, entries);
+            if self.powers {
+                let power = contact.power_slopes(alone, [stiffness, damping]);
+                group.put_power(part, power);
+            }
         }
         run.depth[b] = depth.values();
         run.force[b] = force.values();
@@ -373,7 +358,7 @@ impl<
             } else {
                 [zero; 2]
             };
-        if ENERGY {
+        if self.powers {
             self.friction_power.add(b, friction * slip);
         }
         run.friction_arrays.friction[b] = friction.values();

@@ -1,6 +1,6 @@
 //! Instruction set of the kernels.
 
-use pulp::{Arch, WithSimd};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Number of lanes of an AVX2 register.
 #[cfg(target_arch = "x86_64")]
@@ -77,14 +77,22 @@ impl InstructionSet {
     /// Run a kernel with these instructions.
     #[inline(always)]
     pub(crate) fn run<Kernel: WithSimd>(self, kernel: Kernel) -> Kernel::Output {
-        #[cfg(all(avx2_only, target_arch = "x86_64"))]
-        return match self.0 {
-            Arch::V3(v3) => pulp::Simd::vectorize(v3, kernel),
-            _ => pulp::Simd::vectorize(pulp::Scalar::new(), kernel),
-        };
-        #[cfg(not(all(avx2_only, target_arch = "x86_64")))]
-        self.0.dispatch(kernel)
+        match self.0 {
+            #[cfg(all(target_arch = "x86_64", not(avx2_only)))]
+            Arch::V4(v4) => Simd::vectorize(v4, kernel),
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(v3) => Simd::vectorize(v3, kernel),
+            #[cfg(target_arch = "aarch64")]
+            Arch::Neon(neon) => Simd::vectorize(neon, kernel),
+            _ => run_plain(kernel),
+        }
     }
+}
+
+/// Run a kernel with single lanes. It is not inlined: several callers share one copy, as vectorized kernels have.
+#[inline(never)]
+fn run_plain<Kernel: WithSimd>(kernel: Kernel) -> Kernel::Output {
+    Simd::vectorize(pulp::Scalar::new(), kernel)
 }
 
 impl Default for InstructionSet {

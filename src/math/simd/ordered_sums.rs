@@ -2,9 +2,9 @@
 
 use pulp::Simd;
 
-use super::{Lanes, WIDTH, part_of, put_part};
+use super::{Lanes, WIDTH, part_of, parts, put_part};
 
-/// Sum as partial sums, one for each lane of the widest vectors. It is kept in memory, for loops with few additions.
+/// Sum as partial sums, one for each lane of the widest vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct PartialSums([f64; WIDTH]);
 
@@ -12,7 +12,13 @@ impl PartialSums {
     /// Add vector `block` of an array.
     #[inline(always)]
     pub(crate) fn add<S: Simd>(&mut self, block: usize, values: Lanes<S>) {
-        self.add_part(block % (WIDTH / S::F64_LANES), values);
+        let turn = block % parts::<S>().len();
+        // Constant indices: with a variable one, a struct that holds the sums would stay in memory with all its fields.
+        for part in parts::<S>() {
+            if part == turn {
+                self.add_part(part, values);
+            }
+        }
     }
 
     /// Add vector `part` of a pack.
@@ -22,7 +28,14 @@ impl PartialSums {
         put_part(&mut self.0, part, values + sum);
     }
 
+    /// Return the sum if it is `wanted`, else zero.
+    #[inline(always)]
+    pub(crate) fn total_if(&self, wanted: bool) -> f64 {
+        if wanted { self.total() } else { 0.0 }
+    }
+
     /// Return the sum, in the same order for all widths.
+    #[inline(always)]
     pub(crate) fn total(&self) -> f64 {
         let [a, b, c, d, e, f, g, h] = self.0;
         ((a + e) + (c + g)) + ((b + f) + (d + h))

@@ -111,3 +111,76 @@ impl MechanismDynamics {
         .concat()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{contact, floor, mechanism};
+    use super::*;
+    use crate::force_law::LuGre;
+    use crate::multibody::description::tribology::FrictionLaw;
+    use std::sync::Arc;
+
+    /// Return the model of two bodies with `count` contacts with bristles.
+    fn model(count: usize) -> MechanismModel {
+        let pairs = (0..count).map(|k| {
+            let mut pair = contact(floor(), 0.1);
+            pair.name = format!("contact {k}");
+            pair.tribology.friction = Some(FrictionLaw::LuGre(LuGre {
+                static_coefficient: 0.4,
+                kinetic_coefficient: 0.3,
+                stiffness: 1e3,
+                damping: 0.0,
+                viscous_coefficient: 0.0,
+                stribeck_speed: 0.1,
+                stribeck_exponent: 2.0,
+            }));
+            pair
+        });
+        MechanismModel::compile(&mechanism(pairs.collect())).unwrap()
+    }
+
+    #[test]
+    fn bodies_and_deflections_written_to_a_solution_are_read_again() {
+        for count in [0, 3] {
+            let model = Arc::new(model(count));
+            // Three coordinates for each body, and one for each bristle.
+            assert_eq!(model.unknowns(), 6 + count);
+            let mut dynamics = MechanismDynamics::new(Arc::clone(&model));
+            let state: Vec<f64> = (0..12).map(|i| 1.0 + f64::from(i)).collect();
+            let bent: Vec<f64> = (0..count).map(|i| -0.5 - i as f64).collect();
+            dynamics.contacts.bristles.deflection.clone_from(&bent);
+            dynamics.sums.dissipated = 77.0;
+            dynamics.sums.external_work = 78.0;
+            let y = dynamics.solution_of(&state);
+            assert_eq!(y.len(), 2 * (6 + count) + 2);
+            assert_eq!(y[y.len() - 2..], [77.0, 78.0]);
+            for (i, x) in state.iter().enumerate() {
+                assert_eq!(y[model.component(i)], *x);
+            }
+            let mut bristles = Bristles::new(count);
+            let mut read = vec![0.0; 12];
+            bristles.read(&model, &y, &mut read);
+            assert_eq!((read, bristles.deflection), (state, bent));
+        }
+    }
+
+    #[test]
+    fn deflections_are_given_or_predicted_in_an_implicit_stage() {
+        let mut bristles = Bristles::new(2);
+        bristles.deflection.copy_from_slice(&[1.0, 2.0]);
+        bristles.rate.fill(5.0);
+        bristles.begin();
+        assert_eq!(
+            (bristles.rate.clone(), bristles.deflection.clone()),
+            (vec![0.0; 2], vec![1.0, 2.0])
+        );
+        assert!(matches!(bristles.bent(1), Bent::Given(2.0)));
+        bristles.begin_implicit_stage(Some((&[3.0, 4.0], 0.5)));
+        bristles.begin();
+        assert_eq!(bristles.deflection, [3.0, 4.0]);
+        assert!(matches!(bristles.bent(1), Bent::Ahead(4.0, 0.5)));
+        bristles.begin_implicit_stage(None);
+        bristles.begin();
+        assert!(matches!(bristles.bent(0), Bent::Given(3.0)));
+    }
+}

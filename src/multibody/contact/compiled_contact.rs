@@ -361,3 +361,6 @@ impl CompiledContact {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

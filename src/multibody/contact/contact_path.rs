@@ -225,4 +225,149 @@ mod tests {
             assert_eq!(path.touches_again(end, &depth), again);
         }
     }
+    /// Return the path of x = t⁵ - t², y = 2 + t⁴ over a step from `start` \[s\] of `length` \[s\].
+    fn quintic(start: f64, length: f64) -> (ContactPath, impl Fn(f64) -> Vec2) {
+        let place = |t: f64| Vec2::new(t.powi(5) - t * t, 2.0 + t.powi(4));
+        let motion = |t: f64| {
+            [
+                place(t),
+                Vec2::new(5.0 * t.powi(4) - 2.0 * t, 4.0 * t.powi(3)),
+                Vec2::new(20.0 * t.powi(3) - 2.0, 12.0 * t * t),
+            ]
+        };
+        let path = ContactPath::through(motion(start), motion(start + length), length);
+        (path, move |part: f64| place(start + part * length))
+    }
+
+    #[test]
+    fn a_polynomial_of_fifth_order_is_its_own_path_and_both_halves_are_parts_of_it() {
+        let (path, exact) = quintic(-0.4, 1.3);
+        for cut in [0.0, 0.3, 0.5, 1.0] {
+            let (before, after) = path.split(cut);
+            for part in [0.0, 0.25, 0.6, 1.0] {
+                // Rounding of about ten operations with numbers below 4.
+                assert!((path.at(part) - exact(part)).norm() < 1e-14);
+                assert!((before.at(part) - exact(part * cut)).norm() < 1e-14);
+                assert!((after.at(part) - exact(cut + part * (1.0 - cut))).norm() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_of_velocity_and_acceleration_hold_and_are_reached_by_constant_ones() {
+        let (path, exact) = quintic(-0.4, 1.3);
+        let h = 1e-4;
+        for k in 1..1000 {
+            let part = f64::from(k) * 1e-3;
+            let [before, here, after] = [-h, 0.0, h].map(|step| exact(part + step));
+            let speed = (after - before).norm() / (2.0 * h);
+            let acceleration = (after - 2.0 * here + before).norm() / (h * h);
+            // Errors of the differences are of the order h² and of rounding over h².
+            assert!(speed < path.speed() + 1e-5, "{part}");
+            assert!(acceleration < path.acceleration() + 1e-4, "{part}");
+        }
+        let (v, a, length) = (Vec2::new(3.0, 4.0), Vec2::new(-6.0, 8.0), 0.5);
+        let steady = [Vec2::new(0.1, -0.7), Vec2::new(0.1, -0.7) + length * v];
+        let path = ContactPath::through(
+            [steady[0], v, Vec2::zeros()],
+            [steady[1], v, Vec2::zeros()],
+            length,
+        );
+        // 5 m/s over half a second.
+        assert!((path.speed() - 2.5).abs() < 1e-14 && path.acceleration() < 1e-13);
+        let end = [
+            steady[0] + length * v + 0.5 * length * length * a,
+            v + length * a,
+            a,
+        ];
+        let path = ContactPath::through([steady[0], v, a], end, length);
+        // 10 m/s² over half a second, squared.
+        assert!((path.acceleration() - 2.5).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_path_is_a_point_only_below_a_few_roundings_of_its_farthest_coordinate() {
+        for farthest in [1e7, 3.0, 1e-3] {
+            let place = Vec2::new(-farthest, 0.1 * farthest);
+            let motion = [place, Vec2::zeros(), Vec2::zeros()];
+            let rounding = ContactPath::through(motion, motion, 1.0).rounding();
+            // Each of six halvings of a control point adds half a unit in the last place.
+            let unit = f64::EPSILON * farthest;
+            assert!(rounding > 3.0 * unit && rounding < 200.0 * unit);
+        }
+    }
+
+    /// Return the path along x from 0 to `length` in one second, at constant velocity and height `y`.
+    fn straight(length: f64, y: f64) -> ContactPath {
+        let v = Vec2::new(length, 0.0);
+        let at = |x: f64| [Vec2::new(x, y), v, Vec2::zeros()];
+        ContactPath::through(at(0.0), at(length), 1.0)
+    }
+
+    #[test]
+    fn a_small_circle_that_passes_a_point_is_found_by_the_curvature_of_its_distance() {
+        // A point obstacle is at distance R - 1e-7 from the line. Halvings of the path do not meet the nearest place.
+        let (radius, length) = (0.01, 0.004);
+        for (near, excess) in [(0.3, 1e-7), (0.62, 1e-7), (0.62, -1e-7)] {
+            let corner = Vec2::new(near * length, radius - excess);
+            let depth = Depth {
+                radius,
+                at: |place: Vec2| radius - (place - corner).norm(),
+            };
+            let path = straight(length, 0.0);
+            let ends = [0.0, 1.0].map(|part| (depth.at)(path.at(part)));
+            assert!(ends[0].max(ends[1]) < -1e-5);
+            assert_eq!(path.rises_above(UNSEEN, ends, &depth), excess > 0.0);
+            assert!(!path.rises_above(1.1e-7, ends, &depth));
+        }
+    }
+
+    #[test]
+    fn a_path_at_an_undefined_state_has_no_contact() {
+        let depth = Depth {
+            radius: 1.0,
+            at: |_: Vec2| f64::NAN,
+        };
+        let nowhere = [Vec2::repeat(f64::NAN); 3];
+        let here = [Vec2::zeros(); 3];
+        let path = ContactPath::through(here, nowhere, 1.0);
+        assert!(!path.rises_above(UNSEEN, [-0.1, f64::NAN], &depth));
+    }
+
+    #[test]
+    fn a_second_obstacle_is_met_again_wherever_it_stands() {
+        // A circle of radius 0.1 leaves a point at x = 0 and passes another one, which is nearer than its radius.
+        let second = |x: f64| Depth {
+            radius: 0.1,
+            at: move |place: Vec2| 0.1 - place.norm().min((place.x - x).hypot(0.03)),
+        };
+        for k in 0..48 {
+            let x = 0.3 + 0.0125 * f64::from(k);
+            let (path, depth) = (straight(1.0, 0.0), second(x));
+            let end = (depth.at)(path.at(1.0));
+            assert!(end < 0.0 && path.touches_again(end, &depth), "{x}");
+        }
+        // A point out of reach of the path: the contact has only ended.
+        let alone = second(1e3);
+        assert!(!straight(1.0, 0.0).touches_again(-0.9, &alone));
+    }
+
+    #[test]
+    fn a_separation_below_the_neglected_one_is_none() {
+        let path = straight(1.0, 0.0);
+        for (dip, parts) in [(0.5, false), (-0.5, false), (-2.0, true)] {
+            // In contact up to 0.6, except for the penetration `dip` about 0.125, where the first half is cut twice.
+            let depth = Depth {
+                radius: 0.1,
+                at: |place: Vec2| match place.x {
+                    x if (x - 0.125).abs() < 0.01 => dip * UNSEEN,
+                    x if x < 0.6 => 0.01,
+                    _ => -0.01,
+                },
+            };
+            assert_eq!(path.touches_again(-0.01, &depth), parts, "{dip}");
+            let half = path.split(0.5).0;
+            assert_eq!(half.parts(&depth), parts, "{dip}");
+        }
+    }
 }

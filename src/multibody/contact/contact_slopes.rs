@@ -94,3 +94,6 @@ impl ContactStates {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

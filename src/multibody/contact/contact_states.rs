@@ -125,3 +125,124 @@ impl ContactStates {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{BALL, at_rest, contact, evaluated, floor, frames, model};
+    use super::*;
+    use crate::force_law::LuGre;
+    use crate::multibody::description::contact_pair::ContactPair;
+    use crate::multibody::description::profile::Profile;
+    use crate::multibody::description::tribology::FrictionLaw;
+
+    const IN_CONTACT: Memory = Memory {
+        speed: 0.5,
+        piece: 0,
+        in_front: false,
+    };
+
+    /// Return a contact with a disc of 0.2 m and one with a floor, which has bristles.
+    fn disc_and_floor() -> MechanismModel {
+        let friction = FrictionLaw::LuGre(LuGre {
+            static_coefficient: 0.4,
+            kinetic_coefficient: 0.3,
+            stiffness: 1e3,
+            damping: 0.0,
+            viscous_coefficient: 0.0,
+            stribeck_speed: 0.1,
+            stribeck_exponent: 2.0,
+        });
+        let mut bristled = ContactPair {
+            name: "floor".into(),
+            ..contact(floor(), 0.1)
+        };
+        bristled.tribology.friction = Some(friction);
+        model(vec![contact(Profile::Disc { radius: 0.2 }, 0.1), bristled])
+    }
+
+    fn ball_at(x: f64, y: f64) -> Vec<Frame> {
+        frames(&at_rest(), &[[x, y, 0.0], [0.0; 3], [0.0; 3]], 0.0)
+    }
+
+    #[test]
+    fn a_circle_that_leaves_the_reach_of_a_profile_has_no_contact_and_its_outer_gap() {
+        let model = disc_and_floor();
+        let mut states = ContactStates::new(&model);
+        let loads = evaluated(&model, &mut states, &ball_at(0.0, 0.28));
+        assert!((loads.on[BALL][1] - 20.0).abs() < 1e-12);
+        assert_eq!(states.near, [true, true]);
+        assert!((states.deepest[0][0] - 0.02).abs() < 1e-15);
+        // Exactly in reach, and beyond it.
+        evaluated(&model, &mut states, &ball_at(0.0, 0.31));
+        assert_eq!(states.near, [false, true]);
+        assert_eq!(states.side_states[0], SideState::default());
+        assert!((states.deepest[0][0] + 0.01).abs() < 1e-15 && states.deepest[0][1] == 0.0);
+        assert!((states.deepest[1][0] + 0.21).abs() < 1e-15);
+        let loads = evaluated(&model, &mut states, &ball_at(0.0, 5.0));
+        assert_eq!(
+            (loads.on[BALL], states.deepest[0][0]),
+            ([0.0; 3], f64::NEG_INFINITY)
+        );
+    }
+
+    #[test]
+    fn a_contact_changes_where_memory_and_penetration_differ_in_reach() {
+        let model = disc_and_floor();
+        for (near, memory, penetration, changed) in [
+            (true, Memory::default(), -0.1, false),
+            (true, IN_CONTACT, 0.1, false),
+            (true, Memory::default(), 0.1, true),
+            (true, IN_CONTACT, -0.1, true),
+            (true, Memory::BEHIND, -0.1, false),
+            (true, IN_CONTACT, 0.0, true),
+            (false, IN_CONTACT, -0.1, false),
+        ] {
+            let mut states = ContactStates::new(&model);
+            states.near[0] = near;
+            states.memory[0] = memory;
+            states.side_states[0].contact.penetration = penetration;
+            assert_eq!(
+                states.changed(&model),
+                changed,
+                "{near} {memory:?} {penetration}"
+            );
+        }
+    }
+
+    #[test]
+    fn inside_a_step_ended_contacts_and_backs_have_the_memory_of_its_start() {
+        let model = disc_and_floor();
+        let none = Memory::default();
+        let other = Memory {
+            speed: 0.9,
+            ..IN_CONTACT
+        };
+        for (before, now, restored) in [
+            (IN_CONTACT, none, true),
+            (IN_CONTACT, other, false),
+            (Memory::BEHIND, none, true),
+            (Memory::BEHIND, other, true),
+            (none, other, false),
+            (none, none, false),
+        ] {
+            let mut states = ContactStates::new(&model);
+            states.memory[1] = now;
+            let replaced = states.restore_memory(&[none, before]);
+            assert_eq!(states.memory, [none, if restored { before } else { now }]);
+            assert_eq!(replaced, if restored { vec![(1, now)] } else { vec![] });
+        }
+    }
+
+    #[test]
+    fn bristles_of_contacts_that_are_apart_are_listed() {
+        let model = disc_and_floor();
+        let mut states = ContactStates::new(&model);
+        for (penetration, parted) in [(-0.1, vec![0]), (0.0, vec![0]), (0.1, vec![])] {
+            // The disc has no bristle.
+            states.side_states[0].contact.penetration = -0.1;
+            states.side_states[1].contact.penetration = penetration;
+            let found: Vec<usize> = states.parted_bristles(&model).collect();
+            assert_eq!(found, parted);
+        }
+    }
+}

@@ -61,9 +61,7 @@ impl ContactStates {
                 radius: contact.radius,
                 at: |place| contact.depth_at(place, memory),
             };
-            // Circles without a known gap have at least this gap.
-            let least = -FARTHEST * contact.radius;
-            let depths = [start.depth[0].max(least), end.depth[0].max(least)];
+            let depths = [start.depth[0], end.depth[0]];
             match depths.map(|depth| depth > 0.0) {
                 // Apart at the start: a penetration above that at the end belongs to a contact that has ended or is ending.
                 [false, _] => path.rises_above(depths[1].max(0.0) + UNSEEN, depths, &depth),
@@ -149,3 +147,6 @@ impl CompiledContact {
         depth.max(-self.radius)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -84,3 +84,38 @@ impl Memory {
         in_front: false,
     };
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_memory_is_of_a_contact_of_a_back_or_empty() {
+        let of = |speed: f64| {
+            let memory = Memory {
+                speed,
+                ..Memory::default()
+            };
+            [
+                memory.is_in_contact(),
+                memory.is_behind(),
+                memory.is_empty(),
+            ]
+        };
+        assert_eq!(of(f64::MIN_POSITIVE), [true, false, false]);
+        assert_eq!(of(0.0), [false, false, true]);
+        assert_eq!(of(Memory::BEHIND.speed), [false, true, false]);
+    }
+
+    #[test]
+    fn a_side_is_known_by_its_contact_point_or_its_force() {
+        assert!(!SideState::default().is_known());
+        let mut near = SideState::default();
+        near.contact.penetration = -3.0;
+        let pushed = SideState {
+            push: Vec2::new(0.0, -1.0),
+            ..SideState::default()
+        };
+        assert!(near.is_known() && pushed.is_known());
+    }
+}

@@ -12,3 +12,6 @@ pub(crate) mod impact_memory;
 pub(crate) mod onset;
 pub(crate) mod outline;
 pub(crate) mod step_bound;
+
+#[cfg(test)]
+mod tests;

@@ -251,3 +251,6 @@ impl ContactStates {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

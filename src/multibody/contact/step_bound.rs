@@ -182,3 +182,6 @@ impl CompiledContact {
         (speed, acceleration)
     }
 }
+
+#[cfg(test)]
+mod tests;

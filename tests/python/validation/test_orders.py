@@ -1,4 +1,4 @@
-"""Orders of convergence of both correctors on every kind of scene whose contacts stay closed."""
+"""Orders of convergence of both correctors on every kind of scene, while no contact changes."""
 
 import functools
 from dataclasses import replace
@@ -56,8 +56,8 @@ def joints(law):
     return rc.Scene(mechanism, start="static")
 
 
-def discs(law):
-    """A disc pressed between another one and a straight line."""
+def discs(law, load=None):
+    """A disc that a load presses between another one and a straight line."""
     mechanism = rc.Mechanism()
     contact = rc.SurfaceContact(law, min_impact_velocity=MIN_IMPACT_VELOCITY)
     mechanism.add_body("disc", 0.1, 1e-5)
@@ -65,8 +65,36 @@ def discs(law):
     mechanism.add_disc_contact("left", "ground", "disc", 0.01, 0.01, contact, point_a=center)
     line = [(0.02, 0.05), (0.01, -0.05)]
     mechanism.add_outline_contact("right", "ground", "disc", line, 0.01, contact, closed=False)
-    mechanism.add_force("load", "disc", (0.0, swing(20.0, -1000.0)))
+    mechanism.add_force("load", "disc", (0.0, swing(20.0, -1000.0) if load is None else load))
     return rc.Scene(mechanism, start="static")
+
+
+def turn(size):
+    """Return a signal with the same start that has no change of sign until 1.4 ms."""
+    w = 2 * np.pi * 350.0
+    return rc.Sines([(5 * size, w, 0.0), (-4 * size, 2 * w, 0.0), (size, 3 * w, 0.0)])
+
+
+def bristles():
+    """A disc that turns in one direction between another disc and a line, with LuGre's friction.
+
+    The law has |s|: a sliding velocity s that changes its sign would leave a kink.
+    """
+    friction = rc.LuGre(0.12, 0.1, stiffness=1e4, stribeck_speed=1.0)
+    mechanism = discs(rc.Hertz(friction=friction), load=-1000.0).system.copy()
+    mechanism.add_driver("motor", "ground", "disc", speed=turn(5.0))
+    return rc.Scene(mechanism, start="static")
+
+
+def film():
+    """A journal that turns in its lubricant and approaches the wall, without contact."""
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    lubricated = rc.SurfaceContact(rc.Hertz(film=rc.LubricantFilm(1e-3)))
+    mechanism.add_body("journal", 0.1, 1e-5, position=(0.0, -25e-6, 0.0))
+    mechanism.add_clearance_joint("bearing", "ground", "journal", 0.00605, 0.006, lubricated)
+    mechanism.add_force("load", "journal", (turn(0.5), turn(-1.0)))
+    mechanism.add_driver("motor", "ground", "journal", speed=turn(2.0))
+    return rc.Scene(mechanism)
 
 
 ANCHOR = rc.AnchoredEnd((0.0, 0.0), velocity=(0.0, swing(3e-3)))
@@ -92,6 +120,8 @@ SCENES = {
     "damped joints": lambda: joints(DAMPED),
     "discs": lambda: discs(HERTZ),
     "damped discs": lambda: discs(DAMPED),
+    "bristles": bristles,
+    "film": film,
 }
 FORCES = ("hinge_force", "roller_force", "tooth_force", "contact_force")
 
@@ -119,9 +149,9 @@ def reference(kind):
     record = {} if isinstance(scene.system, rc.Mechanism) else {"record": groups}
     simulation, result = run(scene, "pece", 5, 5e-7, **record)
     touching = {name: result.arrays[name] > 0.0 for name in FORCES if name in result.arrays}
-    assert any(now[0].any() for now in touching.values())
+    assert kind == "film" or any(now[0].any() for now in touching.values())
     for now in touching.values():
-        assert (now == now[0]).all()
+        assert kind == "film" or (now == now[0]).all()
     if "tooth_region" in result.arrays:
         region = result.arrays["tooth_region"][:, touching["tooth_force"][0]]
         assert (region == region[0]).all()
@@ -143,8 +173,10 @@ CASES = [
     ("newton", 4, 2e-6, 4),
 ]
 # Rollers are light: order 4 is stable only in steps whose errors are rounding, 1e-15 m. Newton's
-# method takes order 3 in steps of 1e-6 s, and order 2 in longer ones.
-CHOSEN = [(kind, *case) for kind in SCENES for case in CASES if (kind, case[1]) != ("rollers", 4)]
+# method takes order 3 in steps of 1e-6 s, and order 2 in longer ones. The errors of the film at
+# order 5 are rounding, too.
+ROUNDING = [("rollers", "pece", 4), ("rollers", "newton", 4), ("film", "pece", 4)]
+CHOSEN = [(kind, *case) for kind in SCENES for case in CASES if (kind, *case[:2]) not in ROUNDING]
 
 
 @pytest.mark.parametrize(("kind", "method", "max_order", "step", "expected"), CHOSEN)

@@ -142,3 +142,103 @@ impl SprocketCandidates {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::tests::{compiled, with_tensioner};
+    use super::*;
+
+    /// Return whether the list of a checkpoint with these runs and gaps of the first sprocket fits.
+    fn fits(change: impl FnOnce(&mut ListCheckpoint)) -> bool {
+        let (model, _) = compiled(&with_tensioner(None));
+        let n = model.links;
+        let mut list = ListCheckpoint {
+            bushings: [vec![0.0; n], vec![0.0; n]],
+            centers: vec![[0.0; 2]],
+            sprockets: vec![
+                RunsCheckpoint {
+                    runs: vec![(2, 3), (n - 2, 4)],
+                    gaps: vec![0, 1, 2, 13, 14, 15, 16],
+                },
+                RunsCheckpoint {
+                    runs: vec![(0, n)],
+                    gaps: vec![20; n],
+                },
+            ],
+        };
+        change(&mut list);
+        let checkpoint = CandidatesCheckpoint {
+            list: Some(list),
+            refreshes: 7,
+        };
+        let memory = ImpactMemory::new(n, 0, 2 * n, 1e-3);
+        let mut candidates = Candidates::new(&model);
+        let found = candidates.restore(&model, &memory, &checkpoint);
+        assert_eq!(candidates.refreshes(), 7);
+        found.is_some()
+    }
+
+    #[test]
+    fn only_a_list_of_bushings_and_gaps_of_the_model_is_restored() {
+        assert!(fits(|_| ()));
+        // Other numbers of bushings, of movable sprockets, of sprockets.
+        assert!(!fits(|list| list.bushings[1].truncate(39)));
+        assert!(!fits(|list| list.bushings[0].push(0.0)));
+        assert!(!fits(|list| list.centers.clear()));
+        assert!(!fits(|list| list.centers.push([0.0; 2])));
+        assert!(!fits(|list| list.sprockets.truncate(1)));
+        // Bushings that do not exist, are there twice, or make no run.
+        assert!(!fits(|list| list.sprockets[0].runs[1] = (40, 4)));
+        assert!(!fits(|list| list.sprockets[0].runs[1] = (4, 4)));
+        assert!(!fits(|list| list.sprockets[0].runs[1] = (39, 4)));
+        assert!(!fits(|list| {
+            list.sprockets[0].runs[1].1 = 0;
+            list.sprockets[0].gaps.truncate(3);
+        }));
+        assert!(!fits(|list| {
+            list.sprockets[1] = RunsCheckpoint {
+                runs: vec![(0, 41)],
+                gaps: vec![20; 41],
+            };
+        }));
+        // Gaps that do not exist, too few or too many.
+        assert!(fits(|list| list.sprockets[0].gaps[6] = 0));
+        assert!(!fits(|list| list.sprockets[0].gaps[6] = 17));
+        assert!(!fits(|list| list.sprockets[0].gaps.truncate(6)));
+        assert!(!fits(|list| list.sprockets[0].gaps.push(0)));
+    }
+
+    #[test]
+    fn a_restored_list_reaches_past_the_last_bushing_by_its_longest_run() {
+        let (model, _) = compiled(&with_tensioner(None));
+        let n = model.links;
+        let of = |runs: Vec<(usize, usize)>| {
+            let count = runs.iter().map(|run| run.1).sum();
+            RunsCheckpoint {
+                runs,
+                gaps: vec![3; count],
+            }
+        };
+        for (runs, overhang) in [
+            ([vec![(2, 3)], vec![(5, 8)]], 0),
+            ([vec![(2, 3), (n - 1, 2)], vec![(n - 5, 8)]], 3),
+            ([vec![(n - 3, 5)], vec![]], 2),
+            ([vec![], vec![(n - 3, 3)]], 0),
+        ] {
+            let checkpoint = CandidatesCheckpoint {
+                list: Some(ListCheckpoint {
+                    bushings: [vec![0.5; n], vec![-0.5; n]],
+                    centers: vec![[0.1, 0.2]],
+                    sprockets: runs.map(of).to_vec(),
+                }),
+                refreshes: 1,
+            };
+            let memory = ImpactMemory::new(n, 0, 2 * n, 1e-3);
+            let mut candidates = Candidates::new(&model);
+            candidates.overhang = 17;
+            candidates.restore(&model, &memory, &checkpoint).unwrap();
+            assert_eq!(candidates.overhang, overhang);
+            assert!(candidates.hold(0.0, |_| Vec2::new(0.1, 0.2)));
+        }
+    }
+}

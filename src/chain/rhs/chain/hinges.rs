@@ -32,6 +32,8 @@ pub(crate) struct Joints<'a> {
     pub(crate) inverse_impact_velocity: &'a [f64],
     /// Centres of the bushings, or of the rollers, at the last refresh of the candidates, x and y \[m\].
     pub(crate) reference: &'a [Numbers; 2],
+    /// Whether the dissipated powers and their slopes are requested.
+    pub(crate) powers: bool,
     /// Output for the slopes of the forces and of friction, if requested.
     pub(crate) slopes: Option<&'a mut ContactSlopes>,
     /// Friction for `FRICTION`; for rollers, the bushings are the pins.
@@ -49,7 +51,6 @@ pub(super) struct Hinges<
     const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
-    const ENERGY: bool,
 > {
     law: PhantomData<L>,
     law_constants: [Lanes<S>; 2],
@@ -81,6 +82,8 @@ pub(super) struct Hinges<
     bushing_velocity: [&'a mut [S::f64s]; 2],
     pub(super) moved_squared: Lanes<S>,
     pub(super) changed: bool,
+    /// Whether powers are requested.
+    pub(super) powers: bool,
     /// Power dissipated by damping \[W\].
     pub(super) power: PartialSums,
     /// Power dissipated by friction \[W\].
@@ -110,8 +113,7 @@ impl<
     const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
-    const ENERGY: bool,
-> Hinges<'a, S, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>
+> Hinges<'a, S, L, DAMPED, FRICTION, BRISTLED, EXTRA>
 {
     /// Return the hinges of these joints, and cosines and sines of the links, which are borrowed apart from the other arrays.
     /// [`Self::attach_optional_forces`] adds lubricant and elastic plates.
@@ -151,6 +153,7 @@ impl<
             bushing_velocity: both_mut::<S>(&mut arrays.bushing_velocity, 0, blocks),
             moved_squared: splat(0.0),
             changed: false,
+            powers: joints.powers,
             power: PartialSums::default(),
             friction_power: PartialSums::default(),
             slopes,
@@ -205,12 +208,13 @@ impl<
     /// Return the results besides the forces.
     #[inline(always)]
     pub(super) fn found(&self) -> ChainFound {
+        let powers = self.powers;
         ChainFound {
             moved_squared: self.moved_squared.greatest(),
             changed: self.changed,
-            dissipated: self.power.total(),
-            friction_power: self.lost_to_friction(),
-            film_power: self.lost_to_lubricant(),
+            dissipated: self.power.total_if(powers && DAMPED),
+            friction_power: self.friction_power.total_if(powers && FRICTION),
+            film_power: self.film_power.total_if(powers && EXTRA),
         }
     }
 
@@ -237,7 +241,10 @@ impl<
             }
             if let Some(slopes) = &mut self.slopes {
                 let (group, part) = group_of::<S, _>(slopes, i);
-                group.put::<S, ENERGY>(part, [zero; 6], [zero; 2]);
+                group.put(part, [zero; 6]);
+                if self.powers {
+                    group.put_power(part, [zero; 2]);
+                }
             }
             if FRICTION {
                 self.write_zero_friction(i);
@@ -277,7 +284,7 @@ impl<
             ContactLane::undamped(elastic)
         };
         let force = contact.force;
-        if DAMPED && ENERGY {
+        if DAMPED && self.powers {
             self.power.add(i, contact.power());
         }
         if let Some(slopes) = &mut self.slopes {
@@ -288,9 +295,12 @@ impl<
                 stiffness = stiffness / load(simd, &compliance[i]).mul_add(alone, one);
             }
             let entries = [nx, ny, force, stiffness, damping, inverse_distance];
-            let power = contact.power_slopes(alone, [stiffness, damping]);
             let (group, part) = group_of::<S, _>(slopes, i);
-            group.put::<S, ENERGY>(part, entries, power);
+            group.put(part, entries);
+            if self.powers {
+                let power = contact.power_slopes(alone, [stiffness, damping]);
+                group.put_power(part, power);
+            }
         }
         let mut pull = [force * nx, force * ny];
         if FRICTION {

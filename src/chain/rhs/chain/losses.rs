@@ -29,29 +29,8 @@ impl<
     const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
-    const ENERGY: bool,
-> Hinges<'_, S, L, DAMPED, FRICTION, BRISTLED, EXTRA, ENERGY>
+> Hinges<'_, S, L, DAMPED, FRICTION, BRISTLED, EXTRA>
 {
-    /// Return the power dissipated by friction \[W\], if requested.
-    #[inline(always)]
-    pub(super) fn lost_to_friction(&self) -> f64 {
-        if FRICTION && ENERGY {
-            self.friction_power.total()
-        } else {
-            0.0
-        }
-    }
-
-    /// Return the power dissipated by lubricant \[W\], if requested.
-    #[inline(always)]
-    pub(super) fn lost_to_lubricant(&self) -> f64 {
-        if EXTRA && ENERGY {
-            self.film_power.total()
-        } else {
-            0.0
-        }
-    }
-
     /// Add the film to the forces and moments of these hinges.
     ///
     /// The same equations for one contact of a mechanism: multibody/contact/film.rs.
@@ -89,7 +68,7 @@ impl<
             shear,
         } = filled.film;
         let shear = shear * turning;
-        if ENERGY {
+        if self.powers {
             // Dissipated power: S Δω² - F · v.
             let film_on_eccentricity = push.mul_add(along, drag * across);
             self.film_power
@@ -157,7 +136,7 @@ impl<
         } else {
             [zero; 2]
         };
-        if ENERGY {
+        if self.powers {
             self.friction_power.add(i, friction * slip);
         }
         self.friction[i] = friction.values();

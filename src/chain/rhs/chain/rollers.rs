@@ -54,7 +54,6 @@ pub(crate) struct EvaluateRollers<
     const DAMPED: bool,
     const FRICTION: bool,
     const BRISTLED: bool,
-    const ENERGY: bool,
 > {
     pub(crate) law: PhantomData<L>,
     pub(crate) bores: Joints<'a>,
@@ -70,13 +69,8 @@ pub(crate) struct EvaluateRollers<
     pub(crate) rollers: &'a mut Rollers,
 }
 
-impl<
-    L: ElasticLaw,
-    const DAMPED: bool,
-    const FRICTION: bool,
-    const BRISTLED: bool,
-    const ENERGY: bool,
-> WithSimd for EvaluateRollers<'_, L, DAMPED, FRICTION, BRISTLED, ENERGY>
+impl<L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> WithSimd
+    for EvaluateRollers<'_, L, DAMPED, FRICTION, BRISTLED>
 {
     type Output = ChainFound;
 
@@ -87,7 +81,7 @@ impl<
         let splat = |value| Lanes::splat(simd, value);
         let Rollers { constants, arrays } = self.rollers;
         let moments = FRICTION && (BRISTLED || self.bores.friction.is_some());
-        let (mut joints, _) = Hinges::<S, L, DAMPED, FRICTION, BRISTLED, false, ENERGY>::new(
+        let (mut joints, _) = Hinges::<S, L, DAMPED, FRICTION, BRISTLED, false>::new(
             simd, self.bores, constants, arrays, blocks,
         );
         let ChainArrays {
