@@ -54,3 +54,31 @@ pub(crate) fn deserialize<'de, C: Components, D: Deserializer<'de>>(
 ) -> Result<C, D::Error> {
     C::Plain::deserialize(from).map(C::from_plain)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both kinds of fields.
+    #[derive(Debug, PartialEq, Serialize, Deserialize)]
+    struct Piece {
+        #[serde(with = "crate::geometry::components")]
+        start: Vec2,
+        #[serde(with = "crate::geometry::components")]
+        center: Option<Vec2>,
+    }
+
+    #[test]
+    fn vectors_are_encoded_as_their_two_components() {
+        for center in [None, Some(Vec2::new(-0.25, 3.5))] {
+            let piece = Piece {
+                start: Vec2::new(1.5, -2.0),
+                center,
+            };
+            let bytes = postcard::to_allocvec(&piece).unwrap();
+            let plain = ([1.5, -2.0], center.map(|_| [-0.25, 3.5]));
+            assert_eq!(bytes, postcard::to_allocvec(&plain).unwrap());
+            assert_eq!(postcard::from_bytes::<Piece>(&bytes), Ok(piece));
+        }
+    }
+}

@@ -47,3 +47,14 @@ pub struct Contact {
     /// dδ/dt \[m/s\].
     pub penetration_rate: f64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_direction_of_a_vector_without_length_is_zero() {
+        assert_eq!(direction(Vec2::zeros(), 0.0), Vec2::zeros());
+        assert_eq!(direction(Vec2::new(0.0, -2.0), 2.0), -Vec2::y());
+    }
+}

@@ -249,3 +249,25 @@ impl System for MechanismDynamics {
         Some(dynamics)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multibody::{Body, Mechanism};
+
+    #[test]
+    fn the_energies_of_a_mechanism_are_part_of_its_solution() {
+        let mut mechanism = Mechanism::default();
+        mechanism
+            .bodies
+            .push(Body::new("block", 2.0, 0.1).moving(3.0, 0.0, 1.0));
+        let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
+        let dynamics = MechanismDynamics::new(model);
+        // No quadrature evaluates the right-hand side, and no energy is left out.
+        assert!(dynamics.keeps_energy());
+        assert_eq!(dynamics.meter_evaluations(), 0);
+        assert_eq!(dynamics.prescribed_energy(), 0.0);
+        // m v²/2 of the body at any speed.
+        assert_eq!(dynamics.kinetic_energy_at(3.0), 9.0);
+    }
+}

@@ -141,14 +141,10 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     }
 
     /// Return `sums` without the energy stored by friction at the last evaluation.
-    fn without_stored(&self, sums: Self::Powers) -> Self::Powers {
-        sums
-    }
+    fn without_stored(&self, sums: Self::Powers) -> Self::Powers;
 
     /// Return the kinetic energy of bodies at `speed` \[m/s\], an upper bound on the kinetic energy caused by errors alone \[J\].
-    fn kinetic_energy_at(&self, _speed: f64) -> f64 {
-        0.0
-    }
+    fn kinetic_energy_at(&self, speed: f64) -> f64;
 
     /// Return the remedy, in words, for an energy balance that no accuracy closes.
     fn energy_remedy(&self) -> Option<&'static str> {
@@ -196,4 +192,20 @@ pub trait System: SecondOrderSystem + Clone + Debug {
 pub fn hash(bytes: &[u8]) -> u64 {
     let step = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_are_those_that_the_authors_of_fnv_published() {
+        for (text, expected) in [
+            ("", 0xcbf2_9ce4_8422_2325),
+            ("a", 0xaf63_dc4c_8601_ec8c),
+            ("foobar", 0x8594_4171_f739_67e8),
+        ] {
+            assert_eq!(hash(text.as_bytes()), expected, "{text}");
+        }
+    }
 }

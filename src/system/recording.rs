@@ -179,3 +179,96 @@ impl Row<'_> {
         self.peaks[kind].begin_interval();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three rows of a scalar, of pairs and of whole numbers; `extra` values of a fourth row.
+    fn recording(extra: usize) -> Recording {
+        let scalar = Channel {
+            values: Values::Real(vec![0.5, 1.5, 2.5, 3.5][..3 + extra].to_vec()),
+            ..Channel::real("scalar", &[])
+        };
+        let pairs = Channel {
+            values: Values::Real((0..6 + extra).map(|i| i as f64).collect()),
+            ..Channel::real("pairs", &[2])
+        };
+        let whole = Channel {
+            values: Values::Whole(vec![7, 8, 9, 10][..3 + extra].to_vec()),
+            ..Channel::whole("whole", &[])
+        };
+        Recording {
+            time: vec![0.1, 0.2, 0.3],
+            channels: vec![scalar, pairs, whole],
+        }
+    }
+
+    #[test]
+    fn channels_are_found_by_name_and_by_kind_of_number() {
+        let recording = recording(0);
+        assert_eq!(recording.channel("pairs").unwrap().row_length(), 2);
+        assert_eq!(recording.channel("scalar").unwrap().row_length(), 1);
+        assert_eq!(recording.channel("none"), None);
+        assert_eq!(recording.real("scalar"), [0.5, 1.5, 2.5]);
+        assert_eq!(recording.whole("whole"), [7, 8, 9]);
+        for (real, whole) in [("whole", "scalar"), ("none", "none")] {
+            assert!(recording.real(real).is_empty() && recording.whole(whole).is_empty());
+        }
+        assert_eq!(Channel::real("blocks", &[2, 3]).row_length(), 6);
+    }
+
+    #[test]
+    fn first_rows_are_taken_from_all_channels() {
+        let mut rest = recording(0);
+        let taken = rest.take_front(2);
+        assert_eq!(taken.time, [0.1, 0.2]);
+        assert_eq!(taken.real("scalar"), [0.5, 1.5]);
+        assert_eq!(taken.real("pairs"), [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(taken.whole("whole"), [7, 8]);
+        assert_eq!(rest.time, [0.3]);
+        assert_eq!(rest.real("pairs"), [4.0, 5.0]);
+        assert_eq!(rest.whole("whole"), [9]);
+        // More rows than there are: all of them.
+        assert_eq!(rest.take_front(5).real("scalar"), [2.5]);
+        assert!(rest.time.is_empty() && rest.real("pairs").is_empty());
+    }
+
+    #[test]
+    fn values_of_an_incomplete_row_are_discarded() {
+        let mut incomplete = recording(1);
+        incomplete.truncate_to_whole_rows();
+        assert_eq!(incomplete, recording(0));
+    }
+
+    #[test]
+    fn a_row_is_written_in_the_order_of_its_channels_with_its_peaks_closed() {
+        let mut channels = vec![
+            Channel::real("place", &[2]),
+            Channel::whole("region", &[1]),
+            Channel::real("largest force", &[1]),
+            Channel::real("impulse", &[1]),
+        ];
+        let mut peaks = [Peaks::new(1, 0.0)];
+        for (time, force) in [(0.0, 2.0), (1.0, 4.0), (3.0, 1.0)] {
+            let mut row = Row {
+                channels: channels.iter_mut(),
+                peaks: &mut peaks,
+                time,
+                first: time == 0.0,
+            };
+            row.real([time, -time]);
+            row.whole([5]);
+            row.close_peaks(0, &[force]);
+        }
+        let recording = Recording {
+            time: vec![0.0, 1.0, 3.0],
+            channels,
+        };
+        assert_eq!(recording.real("place"), [0.0, 0.0, 1.0, -1.0, 3.0, -3.0]);
+        assert_eq!(recording.whole("region"), [5, 5, 5]);
+        // Trapezoidal rule: 1 s between 2 N and 4 N, then 2 s between 4 N and 1 N.
+        assert_eq!(recording.real("largest force"), [0.0, 4.0, 4.0]);
+        assert_eq!(recording.real("impulse"), [0.0, 3.0, 5.0]);
+    }
+}

@@ -186,6 +186,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+    use crate::geometry::unit;
 
     fn pulley(x: f64, y: f64, radius: f64, side: Side) -> Pulley {
         Pulley {
@@ -258,5 +259,131 @@ mod tests {
         .unwrap_err();
         assert_eq!(fault.wheels, [0, 1]);
         assert!((fault.needed - 0.08).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_wheel_that_is_only_touched_has_no_wrap_in_any_direction_of_the_belt() {
+        let (r, half) = (0.05, 0.3);
+        for i in 0..40 {
+            let along = unit(0.16 * f64::from(i));
+            // A wheel outside touches the same side of the belt as those inside.
+            let wheel = |place: f64, side| {
+                let across = if side == Side::Outside { -2.0 * r } else { 0.0 };
+                Pulley {
+                    center: place * along + across * turned_left(along),
+                    radius: r,
+                    side,
+                }
+            };
+            for side in [Side::Inside, Side::Outside] {
+                let belt = Belt::around(&[
+                    wheel(-half, Side::Inside),
+                    wheel(0.0, side),
+                    wheel(half, Side::Inside),
+                ])
+                .unwrap();
+                // Tangents of 0.3 m are rounded to 1e-16 of their length, which is far below the limit of a wrap.
+                assert!(belt.wraps[1] < 1e-9, "{i}: {}", belt.wraps[1]);
+                assert!((belt.length - (4.0 * half + TAU * r)).abs() < 1e-9);
+                assert!(belt.is_simple());
+            }
+        }
+    }
+
+    #[test]
+    fn belt_tension_pulls_a_wheel_by_twice_the_sine_of_half_its_wrap() {
+        let belt = Belt::around(&[
+            pulley(0.0, 0.0, 0.06, Side::Inside),
+            pulley(0.4, 0.0, 0.04, Side::Inside),
+            pulley(0.2, 0.05, 0.02, Side::Outside),
+        ])
+        .unwrap();
+        for (i, wrap) in belt.wraps.iter().enumerate() {
+            assert!((belt.pull(i).norm() - 2.0 * (0.5 * wrap).sin()).abs() < 1e-14);
+        }
+        assert!((0..3).map(|i| belt.pull(i)).sum::<Vec2>().norm() < 1e-15);
+        // Towards the other wheels; the wheel outside is pushed up.
+        assert!(belt.pull(0).x > 0.0 && belt.pull(1).x < 0.0 && belt.pull(2).y > 0.0);
+    }
+
+    #[test]
+    fn wheels_that_touch_from_inside_or_share_a_centre_have_no_tangent() {
+        for (x, r1, r2, needed) in [
+            (0.5, 0.75, 0.25, 0.5),
+            (0.5, 0.25, 0.75, 0.5),
+            (0.0, 0.25, 0.25, 0.0),
+        ] {
+            let fault = Belt::around(&[
+                pulley(0.0, 0.0, r1, Side::Inside),
+                pulley(x, 0.0, r2, Side::Inside),
+            ])
+            .unwrap_err();
+            assert_eq!((fault.distance, fault.needed), (x, needed));
+        }
+        // A wheel on either side: its circle may not reach the other one.
+        let fault = Belt::around(&[
+            pulley(0.0, 0.0, 0.25, Side::Inside),
+            pulley(0.5, 0.0, 0.5, Side::Outside),
+        ])
+        .unwrap_err();
+        assert_eq!((fault.distance, fault.needed), (0.5, 0.75));
+    }
+
+    /// The span between two points.
+    fn span(from: (f64, f64), to: (f64, f64)) -> Span {
+        let [from, to] = [from, to].map(|(x, y)| Vec2::new(x, y));
+        let length = (to - from).norm();
+        Span {
+            from,
+            to,
+            direction: (to - from) / length,
+            length,
+        }
+    }
+
+    #[test]
+    fn a_point_is_as_far_from_a_span_as_from_its_line_or_its_nearer_end() {
+        // From (1, 1) along 3:4 for 10 m.
+        let slope = span((1.0, 1.0), (9.0, 7.0));
+        for (place, expected) in [
+            (Vec2::new(1.0 + 3.2 - 1.2, 1.0 + 2.4 + 1.6), 2.0),
+            (Vec2::new(1.0 + 3.2 + 1.2, 1.0 + 2.4 - 1.6), 2.0),
+            (Vec2::new(-2.0, -3.0), 5.0),
+            (Vec2::new(12.0, 11.0), 5.0),
+        ] {
+            assert!((distance_from(&slope, place) - expected).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn spans_cross_only_where_each_has_an_end_on_both_sides_of_the_other() {
+        let one = span((1.0, 1.0), (5.0, 4.0));
+        for (other, crosses) in [
+            (span((1.0, 4.0), (5.0, 1.0)), true),
+            (span((5.0, 1.0), (1.0, 4.0)), true),
+            // Its line crosses, behind or before its ends.
+            (span((1.0, 4.0), (2.0, 3.25)), false),
+            (span((4.0, 1.75), (5.0, 1.0)), false),
+            // It passes the ends of the first.
+            (span((0.0, 1.0), (1.0, 0.0)), false),
+            (span((5.0, 5.0), (6.0, 4.0)), false),
+            (span((1.0, 2.0), (5.0, 5.0)), false),
+        ] {
+            assert_eq!(cross(&one, &other), crosses, "{other:?}");
+            assert_eq!(cross(&other, &one), crosses, "{other:?}");
+        }
+    }
+
+    #[test]
+    fn a_span_that_ends_on_another_one_does_not_cross_it() {
+        let level = span((0.0, 0.0), (4.0, 0.0));
+        for upright in [
+            span((2.0, 0.0), (2.0, 3.0)),
+            span((2.0, 3.0), (2.0, 0.0)),
+            span((2.0, 0.0), (2.0, -3.0)),
+            span((2.0, -3.0), (2.0, 0.0)),
+        ] {
+            assert!(!cross(&level, &upright) && !cross(&upright, &level));
+        }
     }
 }

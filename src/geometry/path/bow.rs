@@ -63,3 +63,65 @@ impl Bow {
             + radius * (angle.cos() - half.cos()) * right
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hinges_of_a_slack_strand_lie_on_a_circle_outside_its_straight_line() {
+        let pitch = 0.5;
+        // Links and the angle of each: from a flat bow to nearly a whole circle.
+        for (links, angle) in [(7_u32, 0.01), (7, 0.2), (7, 0.44), (7, 0.8), (9, 0.667)] {
+            // A chord of one pitch under this angle, and the chord of all links, of the textbook.
+            let radius = 0.5 * pitch / (0.5_f64 * angle).sin();
+            let half = 0.5 * f64::from(links) * angle;
+            let span = 2.0 * radius * half.sin();
+            let bow = Bow::new(span, links, pitch);
+            // The span changes by half its curvature with the angle: 1e-16 becomes 1e-13 in a flat bow.
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+            assert!(close(bow.height(), radius * (1.0 - half.cos())), "{angle}");
+            let (from, to) = (Vec2::new(2.0, 1.0), Vec2::new(2.0, 1.0 + span));
+            // The path leads up, so that its right is +x.
+            let center = Vec2::new(2.0 - radius * half.cos(), 1.0 + 0.5 * span);
+            for index in 0..=links {
+                let hinge = bow.point(from, to, index);
+                let turn = f64::from(index) * angle - half;
+                let expected = center + radius * Vec2::new(turn.cos(), turn.sin());
+                assert!((hinge - expected).norm() < 1e-12, "{angle} {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn hinges_of_a_taut_strand_divide_its_straight_line() {
+        let bow = Bow::new(2.0, 4, 0.5);
+        assert_eq!(bow.height(), 0.0);
+        let (from, to) = (Vec2::new(1.0, 3.0), Vec2::new(1.0, 5.0));
+        for index in 0..=4 {
+            let expected = Vec2::new(1.0, 3.0 + 0.5 * f64::from(index));
+            assert_eq!(bow.point(from, to, index), expected);
+        }
+    }
+
+    #[test]
+    fn a_strand_is_straight_up_to_a_slack_of_1e_11_of_its_span() {
+        // A flat bow is sqrt(3 L s/8) high, with the slack s of a span L.
+        for span in [0.05, 20.0] {
+            let of = |slack: f64| Bow::new(span, 10, 0.1 * span * (1.0 + slack)).height();
+            assert_eq!(of(5e-12), 0.0);
+            for slack in [2e-11, 1e-9_f64] {
+                // Half a rounding error of the sum over the slack.
+                let close = 1e-5 + 1e-16 / slack * 20.0;
+                let expected = span * (0.375 * slack).sqrt();
+                // Ten links are a polygon in the arc: (1 - 1/n²) of the slack of the arc is theirs.
+                let expected = expected * (1.0_f64 - 0.01).sqrt().recip();
+                let found = of(slack);
+                assert!(
+                    (found / expected - 1.0).abs() < close,
+                    "{span} {slack}: {found} {expected}"
+                );
+            }
+        }
+    }
+}

@@ -50,4 +50,17 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_straight_path_leads_along_its_direction_and_is_the_limit_of_a_flat_arc() {
+        let direction = unit(-2.1);
+        let (offset, tangent) = along(direction, 0.0, 0.3);
+        assert_eq!((offset, tangent), (0.3 * direction, direction));
+        // A point beside the line has the place of its foot.
+        let beside = offset + 0.2 * turned_left(direction);
+        assert!((place(direction, 0.0, beside) - 0.3).abs() < 1e-15);
+        // An arc departs from its tangent by s²/2R.
+        let (bent, _) = along(direction, 1e-4, 0.3);
+        assert!((bent - offset).norm() < 5e-6);
+    }
 }

@@ -271,6 +271,7 @@ pub fn bow_angle(sag: f64, span: f64) -> f64 {
 mod tests {
     use super::*;
 
+    // Coordinates up to 0.5 m are rounded to 5e-17 m. Bounds of 1e-15 m to 1e-12 m permit sums of tens to thousands of such errors.
     const PITCH: f64 = 0.0127;
 
     fn wheel(teeth: u32, x: f64, y: f64, side: Side) -> PlacedWheel {
@@ -339,5 +340,181 @@ mod tests {
             let length = f64::from(polygon.strands[i]) * PITCH * (1.0 + polygon.stretch);
             assert!((polygon.spans[i] - length).abs() < 1e-12);
         }
+    }
+
+    /// Angle from the tangent point of the belt line to a hinge of wheel `i`, along the chain, in pitches.
+    fn past_tangent(course: &WheelSequence, i: usize, tangent: Vec2, hinge: Vec2) -> f64 {
+        let wheel = &course.wheels[i];
+        let [from, to] = [tangent, hinge].map(|p| p - wheel.center);
+        wheel.side.sign() * from.perp(&to).atan2(from.dot(&to)) / wheel.wheel.gap_angle()
+    }
+
+    #[test]
+    fn seats_begin_and_end_at_the_tangent_points_and_each_strand_has_its_own_length_and_sag() {
+        let course = course(102);
+        let spans = &course.belt().spans;
+        for slack in 0..3 {
+            for shift in [-0.4, -0.1, 0.0, 0.3] {
+                let polygon = course.polygon(slack, shift, 1e-3).unwrap();
+                assert_eq!(polygon.stretch, 0.0);
+                let all = polygon.seated.iter().sum::<u32>() + polygon.strands.iter().sum::<u32>();
+                assert_eq!(all, 102);
+                let mut farthest: f64 = 0.0;
+                let mut at = 0;
+                for i in 0..3 {
+                    let (seats, strand) = (polygon.seated[i] as usize, polygon.strands[i] as usize);
+                    let [first, last] = [at, at + seats].map(|k| polygon.hinges[k]);
+                    let reached = past_tangent(&course, i, spans[(i + 2) % 3].to, first);
+                    let left = past_tangent(&course, i, spans[i].from, last);
+                    farthest = farthest.max(reached.abs()).max(left.abs());
+                    if i == (slack + 1) % 3 {
+                        assert!((reached - shift).abs() < 1e-12);
+                    }
+                    // The nearest seat is half a pitch away, or less.
+                    assert!(left.abs() <= 0.5 + 1e-12 && reached.abs() <= 0.5 + 1e-12);
+                    let direction = first - course.wheels[i].center;
+                    let turn = polygon.first_seat[i] - direction.y.atan2(direction.x);
+                    assert!(wrapped(turn).abs() < 1e-13);
+                    let next = at + seats + strand;
+                    let span = (polygon.hinges[next % 102] - last).norm();
+                    assert!((polygon.spans[i] - span).abs() < 1e-15);
+                    let spare = strand as f64 * PITCH - span;
+                    assert!((polygon.slack[i] - spare).abs() < 1e-15);
+                    let bow = Bow::new(span, polygon.strands[i], PITCH);
+                    let sag = if i == slack { bow.height() } else { 0.0 };
+                    assert!((polygon.sag[i] - sag).abs() < 1e-6);
+                    for k in at..next {
+                        let seat = (k <= at + seats).then_some(i);
+                        assert_eq!(polygon.seat_of[k], seat);
+                        let across = polygon.hinges[k] - last;
+                        let off = (polygon.hinges[next % 102] - last).perp(&across) / span;
+                        assert!(seat.is_some() || i == slack || off.abs() < 1e-13);
+                    }
+                    at = next;
+                }
+                assert!((polygon.off_tangent - farthest).abs() < 1e-12);
+                assert_eq!(course.off_tangent(slack, shift), Some(polygon.off_tangent));
+                let spare = course.spare(slack, shift).unwrap();
+                assert!((polygon.slack[slack] - spare).abs() < 1e-15 && spare > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn equal_wheels_at_whole_pitches_share_the_links_out_exactly() {
+        // Sixteen teeth: half a turn is eight pitches. Twenty pitches apart: 2 x 20 + 2 x 8 links are taut.
+        let wheels = |x: f64| {
+            vec![
+                wheel(16, 0.0, 0.0, Side::Inside),
+                wheel(16, x, 0.0, Side::Inside),
+            ]
+        };
+        let taut = 20.0 * PITCH;
+        let long = WheelSequence::new(PITCH, 58, wheels(taut)).unwrap();
+        for slack in 0..2 {
+            let polygon = long.polygon(slack, 0.0, 0.0).unwrap();
+            assert_eq!(polygon.seated, [8, 8]);
+            assert_eq!(polygon.strands[slack], 22);
+            assert_eq!(polygon.strands[1 - slack], 20);
+            assert!(polygon.off_tangent < 1e-12);
+            assert!((long.spare(slack, 0.0).unwrap() - 2.0 * PITCH).abs() < 1e-14);
+        }
+        // Farther apart by 1e-4 of the distance: every link of both strands is longer by this.
+        let short = WheelSequence::new(PITCH, 56, wheels(taut * (1.0 + 1e-4))).unwrap();
+        let spare = short.spare(0, 0.0).unwrap();
+        // The taut strand without stretch leaves its wheel early, by 2e-3 of a pitch: the other one lacks about twice this.
+        assert!((spare / PITCH + 4e-3).abs() < 1e-4, "{spare}");
+        let polygon = short.polygon(0, 0.0, 1e-3).unwrap();
+        assert!(
+            (polygon.stretch - 1e-4).abs() < 1e-12,
+            "{}",
+            polygon.stretch
+        );
+        assert!((polygon.spans[0] - taut * (1.0 + 1e-4)).abs() < 1e-12);
+        assert!((polygon.slack[0] + taut * 1e-4).abs() < 1e-12);
+        assert!(polygon.sag.iter().all(|&sag| sag == 0.0));
+        // Not enough stretch, or none of the links is left for the slack strand.
+        assert_eq!(short.polygon(0, 0.0, 0.9e-4), None);
+        let few = WheelSequence::new(PITCH, 36, wheels(taut)).unwrap();
+        assert_eq!(few.spare(0, 0.0), None);
+        let one = WheelSequence::new(PITCH, 37, wheels(taut)).unwrap();
+        assert!((one.spare(0, 0.0).unwrap() + 19.0 * PITCH).abs() < 1e-14);
+    }
+
+    #[test]
+    fn an_angle_is_brought_within_half_a_turn() {
+        for turns in [-3.0, -1.0, 0.0, 2.0] {
+            for angle in [-3.1, -0.4, 0.0, 1.2, 3.1] {
+                assert!((wrapped(angle + turns * TAU) - angle).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn the_end_angle_of_a_bow_is_that_of_its_circle() {
+        // Height R (1 - cos a) over a chord 2 R sin a; beyond half a circle the angle is bounded.
+        assert_eq!(bow_angle(0.0, 1.0), 0.0);
+        for angle in [0.1_f64, 1.0, 2.0, 3.0] {
+            let (sag, span) = (0.7 * (1.0 - angle.cos()), 1.4 * angle.sin());
+            assert!((bow_angle(sag, span) - angle).abs() < 1e-13);
+        }
+        assert!((bow_angle(1.0, 0.0) - PI).abs() < 1e-15);
+    }
+
+    #[test]
+    fn links_of_all_strands_are_stretched_alike_where_the_slack_strand_keeps_a_bow() {
+        // A strand that takes a pitch less when its links are longer leaves slack in another one.
+        let mut bowed = 0;
+        let mut all = 0;
+        for i in 0..4000 {
+            let mut wheels = course(90).wheels;
+            wheels[1].center.x = 0.2 + 2.5e-5 * f64::from(i);
+            let course = WheelSequence::new(PITCH, 64, wheels).unwrap();
+            for turn in 0..9 {
+                let slack = turn % 3;
+                let shift = 0.1 * turn as f64 - 0.4;
+                let Some(polygon) = course.polygon(slack, shift, 1e-2) else {
+                    continue;
+                };
+                if polygon.stretch == 0.0 {
+                    continue;
+                }
+                let link = PITCH * (1.0 + polygon.stretch);
+                let spare = f64::from(polygon.strands[slack]) * link - polygon.spans[slack];
+                assert!(spare > -1e-15);
+                bowed += u32::from(spare > 1e-10);
+                all += 1;
+                let next = polygon.hinges.iter().zip(&polygon.seat_of).cycle().skip(1);
+                for ((a, from), (b, to)) in polygon.hinges.iter().zip(&polygon.seat_of).zip(next) {
+                    let expected = if from.is_some() && from == to {
+                        PITCH
+                    } else {
+                        link
+                    };
+                    assert!(((a - b).norm() - expected).abs() < 1e-12);
+                }
+            }
+        }
+        assert!(bowed > 0, "{bowed} {all}");
+    }
+
+    #[test]
+    fn a_chain_of_exactly_the_length_is_not_stretched() {
+        // Some pitches close the taut chain of equal wheels without any rounding error.
+        let mut exact = 0;
+        for pitch in [1.0, 0.5, 0.0127, 0.009_525, 0.0254, 3.0, 5.0, 7.0] {
+            let of = |x: f64| PlacedWheel {
+                wheel: Wheel::on_pitch_circle(pitch, 16),
+                center: Vec2::new(x, 0.0),
+                side: Side::Inside,
+            };
+            let wheels = vec![of(0.0), of(20.0 * pitch)];
+            let course = WheelSequence::new(pitch, 56, wheels).unwrap();
+            if course.spare(0, 0.0) == Some(0.0) {
+                exact += 1;
+                assert_eq!(course.polygon(0, 0.0, 1e-3).unwrap().stretch, 0.0);
+            }
+        }
+        assert!(exact > 0);
     }
 }

@@ -120,19 +120,9 @@ fn straight(start: Vec2, along: Vec2, length: f64) -> SurfaceCurve {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::tooth::checks::{distance_from_outline, largest_corner, largest_gap};
+    use crate::geometry::tooth::flank::SurfacePiece;
     use crate::geometry::unit;
-
-    /// Distance of a point from the outline \[m\], in the body's own frame.
-    fn apart(profile: &ToothProfile, point: Vec2) -> f64 {
-        let outline = profile.outline(400);
-        let next = outline.iter().cycle().skip(1);
-        let distances = outline.iter().zip(next).map(|(from, to)| {
-            let along = to - from;
-            let share = (point - from).dot(&along) / along.norm_squared().max(1e-30);
-            (from + share.clamp(0.0, 1.0) * along - point).norm()
-        });
-        distances.fold(f64::INFINITY, f64::min)
-    }
 
     #[test]
     fn a_cylinder_beside_a_rail_is_as_far_from_it_as_from_its_outline() {
@@ -151,7 +141,7 @@ mod tests {
                 let across = place.x * middle.y - place.y * middle.x;
                 let in_gap = Vec2::new(across, place.dot(&middle));
                 let depth = profile.contact(in_gap, 0.0).penetration;
-                let apart = apart(&profile, place);
+                let apart = distance_from_outline(&profile, place);
                 assert!((depth + apart).abs() < 1e-6, "{i}: {depth} {apart}");
             }
         }
@@ -163,5 +153,100 @@ mod tests {
         for radius in [0.04, 0.0, -0.04, f64::NAN] {
             assert!(ToothProfile::bar(0.1, Some(radius), 0.004).is_none());
         }
+    }
+
+    /// Radii of the faces of a bar: straight, hardly and strongly convex, hardly and strongly concave.
+    const FACES: [Option<f64>; 5] = [None, Some(3.0), Some(0.061), Some(-3.0), Some(-0.061)];
+
+    #[test]
+    fn a_bar_has_its_length_its_round_ends_and_faces_without_corners() {
+        let (length, end) = (0.12, 0.004);
+        for face in FACES {
+            let bar = ToothProfile::bar(length, face, end).unwrap();
+            let pieces = bar.surfaces();
+            // Centres up to 3 m away are rounded to 4e-16 m; an angle at the end is this over its radius of 4e-3 m.
+            assert!(largest_gap(pieces) < 1e-14, "{face:?}");
+            assert!(largest_corner(pieces) < 1e-12, "{face:?}");
+            assert_eq!(pieces[0].start.x, 0.0);
+            let last = pieces.last().unwrap();
+            assert!((last.end - Vec2::new(0.5 * length, 0.0)).norm() < 1e-15);
+            assert!((last.curve.tangent(last.end) + Vec2::y()).norm() < 1e-12);
+            let round = |piece: &SurfacePiece| match piece.curve {
+                SurfaceCurve::Convex(arc) => Some(arc.radius),
+                SurfaceCurve::Concave(arc) => Some(-arc.radius),
+                SurfaceCurve::Straight(_) => None,
+            };
+            assert_eq!(round(&pieces[0]), face);
+            assert_eq!(round(&pieces[1]), Some(end));
+            // Concave bars have straight sides, and are at least as thick as an end: more where the face bulges over them.
+            let concave = face.is_some_and(|radius| radius < 0.0);
+            assert_eq!(pieces.len(), if concave { 3 } else { 2 });
+            if concave {
+                let (half, radius) = (0.5 * length - end, -face.unwrap());
+                let height = ((radius + end).powi(2) - half * half).sqrt();
+                let thickness = end + (height - radius).max(0.0);
+                assert!((pieces[0].start.y - thickness).abs() < 1e-15);
+            }
+            assert_eq!(bar.seat_center_radius, 0.0);
+            // Thickness in the middle, from the sagitta of the circle of the ends' centres.
+            if let Some(radius) = face.filter(|&radius| radius > 0.0) {
+                let (half, reach) = (0.5 * length - end, radius - end);
+                let height = end + reach - (reach * reach - half * half).sqrt();
+                assert!((pieces[0].start.y - height).abs() < 1e-15);
+            }
+            let outline = bar.outline(50);
+            let farthest = outline.iter().map(Vec2::norm).fold(0.0, f64::max);
+            assert!(farthest <= bar.outside_radius + 1e-15, "{face:?}");
+            // The bound is that of the round ends.
+            assert!(farthest > 0.99 * bar.outside_radius, "{face:?}");
+        }
+    }
+
+    #[test]
+    fn the_middle_of_a_concave_bar_lies_below_its_ends_by_the_sagitta_and_half_a_thickness() {
+        // Centres of ends on a circle of R + e about that of the face: right triangles with sides that are finite decimals.
+        let (end, half) = (1.0, 4.0);
+        let length = 2.0 * (half + end);
+        // Too strong: half the length is 5.
+        assert!(ToothProfile::hollow_depth(length, -4.5, end).is_nan());
+        // R + e = 8.5 over 4 m: the height is 7.5, the sagitta of the face 7.5 - 7.5.
+        let depth = ToothProfile::hollow_depth(length, -7.5, end);
+        assert!((depth - (7.5 - 7.5 + end)).abs() < 1e-15);
+        // R + e = 7.025 over 4 m: the height is 5.775, the sagitta of the face 6.025 - 5.775.
+        let (radius, height) = (6.025, 5.775);
+        let depth = ToothProfile::hollow_depth(length, -radius, end);
+        assert!((depth - (radius - height + end)).abs() < 1e-14, "{depth}");
+        // Hardly concave: the ends stand out over the middle of the face.
+        assert_eq!(ToothProfile::hollow_depth(length, -100.0, end), end);
+        assert_eq!(ToothProfile::hollow_depth(length, 100.0, end), 0.0);
+    }
+
+    #[test]
+    fn the_limits_of_a_bar_are_half_its_length() {
+        // Ends as large as half the length leave no face; smaller ones do. Ends have a radius.
+        assert!(ToothProfile::bar(1.0, None, 0.5).is_none());
+        assert!(ToothProfile::bar(1.0, None, 0.499).is_some());
+        assert!(ToothProfile::bar(1.0, None, 0.0).is_none());
+        for (radius, possible) in [(0.5, false), (0.501, true), (-0.5, false), (-0.501, true)] {
+            let bar = ToothProfile::bar(1.0, Some(radius), 0.125);
+            assert_eq!(bar.is_some(), possible, "{radius}");
+        }
+        // A face of the radius of the ends would be a circle.
+        assert!(ToothProfile::bar(1.0, Some(0.25), 0.25).is_none());
+        assert!(ToothProfile::bar(1.0, Some(0.125), 0.4).is_none());
+    }
+
+    #[test]
+    fn a_smooth_wheel_is_a_circle() {
+        let wheel = ToothProfile::smooth_wheel(0.03);
+        assert_eq!((wheel.teeth, wheel.outside_radius), (2, 0.03));
+        assert!((wheel.pitch_radius - 0.03).abs() < 1e-17);
+        assert!(largest_gap(wheel.surfaces()) < 1e-17 && largest_corner(wheel.surfaces()) < 1e-15);
+        for point in wheel.outline(20) {
+            assert!((point.norm() - 0.03).abs() < 1e-17);
+        }
+        let contact = wheel.contact(Vec2::new(0.03, 0.04), 0.02);
+        assert!((contact.penetration).abs() < 1e-17);
+        assert!((contact.normal + Vec2::new(0.6, 0.8)).norm() < 1e-15);
     }
 }

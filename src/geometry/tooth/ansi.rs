@@ -168,6 +168,9 @@ mod tests {
             (12.7e-3, 7.9375e-3),
             (9.525e-3, 5.08e-3),
             (6.35e-3, 3.302e-3),
+            // Teeth so thin that their topping curves meet inside the outside circle.
+            (12.7e-3, 9.5e-3),
+            (12.7e-3, 10.0e-3),
         ] {
             for teeth in 9..=120 {
                 let profile = ToothProfile::ansi(pitch, roller, teeth, Seat::PitchCircle);
@@ -177,6 +180,11 @@ mod tests {
                 let from_center = tip - profile.center();
                 let off_topping = (tip - curves.topping.center).norm() - curves.topping.radius;
                 assert!(off_topping.abs() < 1e-12, "{teeth}: {off_topping}");
+                let above = (tip - curves.topping.center).dot(&profile.axis());
+                assert!(
+                    above > 0.0,
+                    "the farther end of the middle: {teeth}: {above}"
+                );
                 // Position beside the middle of the tooth, at the angle `half` from that of the gap.
                 let beside = from_center.x * half.cos() - from_center.y * half.sin();
                 let outside = 0.5 * pitch * (0.6 + 1.0 / half.tan());
@@ -186,11 +194,71 @@ mod tests {
                     "{teeth}: {beside} {}",
                     from_center.norm() - outside
                 );
-                assert!(
-                    tip.y > 0.0 && from_center.norm() < 1.001 * outside,
-                    "{teeth}"
-                );
+                assert!(from_center.norm() < 1.001 * outside, "{teeth}");
+                assert!(tip.y > 0.0 || roller > 0.7 * pitch, "{teeth}");
                 assert!((profile.axis() - Vec2::new(half.sin(), half.cos())).norm() < 1e-15);
+            }
+        }
+    }
+
+    /// Return the largest distance from the sprocket's centre at which a cylinder of `radius` touches a tooth before its centre line.
+    fn farthest_touching(profile: &ToothProfile, radius: f64) -> f64 {
+        let curves = profile.ansi_curves().unwrap();
+        let center = profile.center();
+        let axis = unit(PI / 2.0 - PI / f64::from(profile.teeth));
+        let flat_angle = (-curves.flat.normal.y).atan2(curves.flat.normal.x);
+        let seat_angle = curves.seat_end_tangent.x.atan2(curves.seat_end_tangent.y);
+        // Centres beside the working curve, the flat and the topping curve down to the far side of its circle.
+        let count = 20_000;
+        let shares = (0..=count).map(|i| f64::from(i) / f64::from(count));
+        let places = shares.flat_map(|share| {
+            let working = unit(-(seat_angle + share * (flat_angle - seat_angle)));
+            let topping = unit(PI - flat_angle - share * PI);
+            [
+                curves.working.center + (curves.working.radius - radius) * working,
+                curves.flat.start + share * curves.flat.length * curves.flat.tangent
+                    - radius * curves.flat.normal,
+                curves.topping.center + (curves.topping.radius + radius) * topping,
+            ]
+        });
+        places
+            .map(|place| place - center)
+            .filter(|place| place.perp(&axis) <= 0.0)
+            .map(|place| place.norm())
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn beyond_its_reach_a_tooth_touches_no_cylinder() {
+        // Ordinary rollers, very thin ones, and rollers as large as the pitch with thin cylinders; shares of the pitch.
+        for (roller, radius) in [
+            (0.625, 0.3125),
+            (0.625, 0.1),
+            (0.3, 0.15),
+            (0.25, 0.1),
+            (0.9, 0.45),
+            (0.95, 0.05),
+            (0.98, 0.02),
+            (1.0, 0.01),
+        ] {
+            for teeth in [9, 17, 40, 120] {
+                for seat in [Seat::BottomDiameter, Seat::PitchCircle] {
+                    let profile = ToothProfile::ansi(1.0, roller, teeth, seat);
+                    let found = profile.reach(radius);
+                    let expected = farthest_touching(&profile, radius);
+                    let flat = profile.ansi_curves().unwrap().flat;
+                    let start = flat.start - radius * flat.normal - profile.center();
+                    if start.perp(&profile.axis()) > 0.0 {
+                        // The whole flat is behind the line: its start is an upper bound.
+                        assert!((found - start.norm()).abs() < 1e-14 && found > expected);
+                        continue;
+                    }
+                    // Half a step of the curves at a slope of one: 3 / 20,000.
+                    assert!(
+                        (found - expected).abs() < 1.5e-4,
+                        "{roller} {radius} {teeth}: {found} {expected}"
+                    );
+                }
             }
         }
     }

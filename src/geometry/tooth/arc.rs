@@ -72,4 +72,18 @@ mod tests {
         assert!((depth - 0.5).abs() < 1e-15);
         assert_eq!(normal, Vec2::new(-1.0, 0.0));
     }
+
+    #[test]
+    fn depth_inside_grows_away_from_the_centre() {
+        let seat = Arc {
+            center: Vec2::new(1.0, 2.0),
+            radius: 7.0,
+        };
+        let (depth, normal) = seat.depth_inside(Vec2::new(4.0, -2.0), 3.0);
+        assert_eq!(depth, 1.0);
+        assert!((normal - Vec2::new(0.6, -0.8)).norm() < 1e-15);
+        assert_eq!(seat.point(Vec2::y()), Vec2::new(1.0, 9.0));
+        let (depth, normal) = seat.depth_outside(seat.center, 3.0);
+        assert_eq!((depth, normal), (10.0, -Vec2::y()));
+    }
 }

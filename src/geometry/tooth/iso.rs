@@ -137,6 +137,7 @@ impl ToothProfile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::tooth::checks::{largest_corner, largest_gap};
 
     /// Numbers of z = 17, p = 12.7 mm, d1 = 7.92 mm, worked out by hand from the standard's formulas.
     #[test]
@@ -152,5 +153,83 @@ mod tests {
         }
         let [least, most] = iso_tip_diameters(12.7e-3, 7.92e-3, 17);
         assert!(close(least, 72.7005) && close(most, 77.0708));
+    }
+
+    fn blank(seat: Seat, outside_radius: f64, edge_radius: f64) -> Blank {
+        Blank {
+            pitch: 12.7,
+            roller_diameter: 7.92,
+            teeth: 17,
+            seat,
+            outside_radius,
+            edge_radius,
+        }
+    }
+
+    #[test]
+    fn seat_flank_edge_and_land_follow_each_other_without_corners() {
+        let pitch_radius = 6.35 / (PI / 17.0).sin();
+        for seat in [Seat::BottomDiameter, Seat::PitchCircle] {
+            for share in [0.0, 0.4, 1.0] {
+                let gap = IsoGap::new(7.92e-3, 17, share);
+                let gap = IsoGap {
+                    seat_radius: 1e3 * gap.seat_radius,
+                    flank_radius: 1e3 * gap.flank_radius,
+                    ..gap
+                };
+                let curved = ToothProfile::iso(&blank(seat, 36.8, 0.3), &gap).unwrap();
+                let straight =
+                    ToothProfile::straight(&blank(seat, 36.8, 0.3), gap.seat_radius, 0.35).unwrap();
+                for profile in [&curved, &straight] {
+                    let pieces = profile.surfaces();
+                    let names: Vec<_> = pieces.iter().map(|piece| piece.name).collect();
+                    assert_eq!(names, ["seating curve", "flank", "edge", "land"]);
+                    assert!(largest_gap(pieces) < 1e-13 && largest_corner(pieces) < 1e-13);
+                    assert_eq!(pieces[0].start, Vec2::new(0.0, -gap.seat_radius));
+                    let from_center = pieces[3].end - profile.center();
+                    assert!((from_center - 36.8 * profile.axis()).norm() < 1e-13);
+                    let raised = match seat {
+                        Seat::BottomDiameter => gap.seat_radius - 3.96,
+                        Seat::PitchCircle => 0.0,
+                    };
+                    assert!((profile.seat_center_radius - pitch_radius - raised).abs() < 1e-13);
+                    // A cylinder touches the seat, and one against the flank has its depth.
+                    let seated = profile.contact(Vec2::new(0.0, -1.0), gap.seat_radius - 1.0);
+                    assert!(seated.penetration.abs() < 1e-14);
+                }
+                // Half the seating angle to either side of the middle; the flank's radius joins both centres.
+                let turn = 0.5 * gap.seat_angle;
+                let end = gap.seat_radius * Vec2::new(turn.sin(), -turn.cos());
+                assert!((curved.surfaces()[1].start - end).norm() < 1e-14);
+                let SurfaceCurve::Convex(flank) = curved.surfaces()[1].curve else {
+                    panic!("the flank is convex");
+                };
+                assert_eq!(flank.radius, gap.flank_radius);
+                assert!((flank.center - end - flank.radius * end.normalize()).norm() < 1e-13);
+                let slope = Vec2::new(0.35_f64.sin(), 0.35_f64.cos());
+                let along = straight.surfaces()[1].end - straight.surfaces()[1].start;
+                assert!((along.normalize() - slope).norm() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn a_tooth_that_ends_inside_the_outside_circle_is_pointed_where_its_flanks_meet() {
+        // Straight flanks at the angle f meet the middle of the tooth, at the angle h, by the law of sines.
+        for (angle, outside) in [(0.3, 60.0), (0.5, 45.0), (0.6, 44.0)] {
+            let profile =
+                ToothProfile::straight(&blank(Seat::PitchCircle, outside, 0.2), 4.0, angle);
+            let half: f64 = PI / 17.0;
+            let pitch_radius = 6.35 / half.sin();
+            // The flank's line has the distance 4 mm from the seat's centre, beside the sprocket's centre by p.
+            let beside: f64 = 4.0 - pitch_radius * f64::sin(angle);
+            let expected = beside / (half - angle).sin();
+            let found = profile.unwrap_err();
+            assert!(
+                (found - expected).abs() < 1e-10,
+                "{angle}: {found} {expected}"
+            );
+            assert!(expected < outside);
+        }
     }
 }

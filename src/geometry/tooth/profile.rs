@@ -286,6 +286,7 @@ impl ToothProfile {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::tooth::checks::distance_from_outline;
 
     fn paper() -> ToothProfile {
         ToothProfile::ansi(0.0127, 0.007_937_5, 17, Seat::BottomDiameter)
@@ -341,5 +342,174 @@ mod tests {
             .iter()
             .any(|q| q.norm() > p.outside_radius * (1.0 - 1e-12));
         assert!(reaches_tip);
+    }
+
+    #[test]
+    fn every_direction_belongs_to_the_gap_half_a_pitch_to_either_side() {
+        for teeth in [9, 16] {
+            let p = ToothProfile::ansi(0.0127, 0.007_937_5, teeth, Seat::PitchCircle);
+            assert!((f64::from(teeth) * p.gap_angle() - 2.0 * PI).abs() < 1e-14);
+            for gap in 0..teeth {
+                for off in [-0.49, 0.0, 0.49] {
+                    let direction = unit((f64::from(gap) + off) * p.gap_angle());
+                    assert_eq!(p.nearest_gap(direction.y.atan2(direction.x)), gap);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_standard_seat_is_lower_than_one_on_the_pitch_circle_by_half_the_play() {
+        // 2 R - Dr is 0.005 Dr and 0.003 in; the seat's centre lies farther out by half of it.
+        let [bottom, pitch] = [Seat::BottomDiameter, Seat::PitchCircle]
+            .map(|seat| ToothProfile::ansi(0.0127, 0.007_937_5, 17, seat).seat_center_radius);
+        let play = 0.005 * 0.007_937_5 + 0.003 * 0.0254;
+        assert!((bottom - pitch - 0.5 * play).abs() < 1e-15);
+        assert_eq!(pitch, paper().pitch_radius);
+    }
+
+    #[test]
+    fn damaged_teeth_of_one_height_share_their_surfaces() {
+        let damage =
+            [(3, 0.5), (16, 0.5), (5, 0.0)].map(|(tooth, height)| Damage { tooth, height });
+        let p = paper().with_damage(&damage, 1e-4).unwrap();
+        let damaged: Vec<_> = p.damaged().collect();
+        let numbers = |tooth: u32| {
+            let found = damaged.iter().find(|(number, _)| *number == tooth);
+            found.unwrap().1.clone()
+        };
+        assert_eq!(damaged.len(), 3);
+        assert_eq!(numbers(3), numbers(16));
+        assert_eq!(numbers(3).start, 4);
+        assert_eq!(numbers(5), numbers(3).end..p.surfaces().len());
+        assert_eq!(p.whole(), paper().surfaces());
+        // Height is counted from the bottom of the gap to the outside circle.
+        let bottom = p.seat_center_radius - p.ansi_curves().unwrap().seating.radius;
+        for (tooth, height) in [(3, 0.5), (5, 0.0)] {
+            let land = p.surfaces()[numbers(tooth).end - 1];
+            let outside = bottom + height * (p.outside_radius - bottom);
+            assert!(((land.end - p.center()).norm() - outside).abs() < 1e-15);
+        }
+        // Regions are counted from the seat, and there are no more than those of whole teeth.
+        for surface in 0..p.surfaces().len() {
+            let number = Surface(u8::try_from(surface).unwrap());
+            let step = p.surfaces()[surface].step;
+            assert!(step <= 3);
+            assert_eq!(
+                [p.region(number, true), p.region(number, false)],
+                [4 - step, 4 + step]
+            );
+        }
+    }
+
+    #[test]
+    fn surfaces_are_at_most_as_many_as_numbers() {
+        // 255 numbers: four surfaces of whole teeth, one for a missing tooth, and stumps of different heights.
+        let p = ToothProfile::ansi(0.0127, 0.007_937_5, 150, Seat::PitchCircle);
+        let damage: Vec<_> = (0..150)
+            .map(|tooth| Damage {
+                tooth,
+                height: 0.3 + 1e-3 * f64::from(tooth),
+            })
+            .collect();
+        let count = |heights: usize| {
+            let damaged = p.clone().with_damage(&damage[..heights], 1e-5);
+            damaged.map(|p| p.surfaces().len())
+        };
+        let possible = (0..150)
+            .take_while(|&heights| count(heights).is_some())
+            .count();
+        let largest = count(possible - 1).unwrap();
+        assert!((250..=255).contains(&largest), "{largest}");
+    }
+
+    #[test]
+    fn a_cut_profile_has_its_land_and_no_damage() {
+        let p = paper()
+            .with_damage(
+                &[Damage {
+                    tooth: 1,
+                    height: 0.2,
+                }],
+                1e-4,
+            )
+            .unwrap();
+        let cut = p.cut(0.036, 2e-4).unwrap();
+        assert_eq!(cut.outside_radius, 0.036);
+        assert_eq!((cut.damaged().count(), cut.ansi_curves()), (0, None));
+        assert_eq!(cut.whole(), cut.surfaces());
+        let farthest = cut.outline(9).iter().map(Vec2::norm).fold(0.0, f64::max);
+        assert!((farthest - 0.036).abs() < 1e-15);
+        // A cylinder on the land has no reach beyond it.
+        assert!((cut.reach(0.004) - 0.040).abs() < 1e-17);
+        // A tooth that is cut beyond its point: its topping curves meet where their circles cross the middle of the tooth.
+        let curves = *p.ansi_curves().unwrap();
+        let b = curves.topping.center - p.center();
+        let beside = b.perp(&p.axis());
+        let meet = b.dot(&p.axis()) + (curves.topping.radius.powi(2) - beside * beside).sqrt();
+        let found = p.cut(1.2 * meet, 1e-4).unwrap_err();
+        assert!((found - meet).abs() < 1e-15, "{found} {meet}");
+    }
+
+    #[test]
+    fn the_outline_has_each_damaged_tooth_in_its_place() {
+        let damage = [(3, 0.5), (16, 0.2)].map(|(tooth, height)| Damage { tooth, height });
+        let p = paper().with_damage(&damage, 1e-4).unwrap();
+        let outline = p.outline(30);
+        let bottom = p.seat_center_radius - p.ansi_curves().unwrap().seating.radius;
+        for tooth in 0..17 {
+            // Tooth k is between gaps k and k + 1.
+            let middle = (f64::from(tooth) + 0.5) * p.gap_angle();
+            let on_it = outline.iter().filter(|q| {
+                let off = unit(middle).perp(q).atan2(unit(middle).dot(q));
+                off.abs() < 0.5 * p.gap_angle()
+            });
+            let highest = on_it.map(Vec2::norm).fold(0.0, f64::max);
+            let height = damage
+                .iter()
+                .find(|d| d.tooth == tooth)
+                .map_or(1.0, |d| d.height);
+            let expected = bottom + height * (p.outside_radius - bottom);
+            assert!(
+                (highest - expected).abs() < 1e-12,
+                "{tooth}: {highest} {expected}"
+            );
+        }
+        // Each point once: no corner of the outline is a whole pitch from the next one.
+        for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+            assert!((a - b).norm() < 0.003);
+        }
+    }
+
+    #[test]
+    fn a_cylinder_in_a_damaged_gap_is_as_far_from_the_teeth_as_from_their_outline() {
+        let damage = [(3, 0.5), (4, 0.0), (16, 0.15), (8, 0.9)];
+        let damage = damage.map(|(tooth, height)| Damage { tooth, height });
+        // Cut, so that lands and edges close the outline without corners.
+        let cut = paper().cut(0.0374, 3e-4).unwrap();
+        let p = cut.with_damage(&damage, 3e-4).unwrap();
+        for gap in [0, 1, 3, 4, 5, 8, 9, 16] {
+            let middle = unit(f64::from(gap) * p.gap_angle());
+            for radial in [0.0315, 0.033, 0.0345, 0.0365, 0.0375, 0.039] {
+                for turn in [-0.45, -0.3, -0.12, -0.01, 0.02, 0.15, 0.28, 0.46] {
+                    let direction = unit(turn * p.gap_angle());
+                    // In the gap's own frame: v outward, u clockwise.
+                    let (u, v) = (-radial * direction.y, radial * direction.x);
+                    let in_gap = Vec2::new(u, v) + p.center();
+                    let found = p.contact_in(gap, in_gap, 0.0);
+                    if found.penetration > 0.0 {
+                        continue;
+                    }
+                    let place = v * middle - u * crate::geometry::turned_left(middle);
+                    let apart = distance_from_outline(&p, place);
+                    // Arcs are drawn by 400 points; beyond both flanks of a low tooth the own gap's flanks are nearest.
+                    assert!(
+                        (found.penetration + apart).abs() < 2e-7,
+                        "{gap} {radial} {turn}: {found:?} {apart}"
+                    );
+                    assert!((found.normal.norm() - 1.0).abs() < 1e-14);
+                }
+            }
+        }
     }
 }

@@ -34,3 +34,26 @@ impl Segment {
         self.start + self.length * self.tangent
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cylinder_over_a_slope_has_the_place_and_depth_of_its_right_triangle() {
+        // Slope 3:4 from (1, 2), material below it: the normal is (3, -4)/5.
+        let slope = Segment {
+            start: Vec2::new(1.0, 2.0),
+            tangent: Vec2::new(0.8, 0.6),
+            normal: Vec2::new(0.6, -0.8),
+            length: 10.0,
+        };
+        assert!((slope.end() - Vec2::new(9.0, 8.0)).norm() < 1e-14);
+        // Five along the slope and two off it.
+        let place = Vec2::new(1.0 + 5.0 * 0.8 - 2.0 * 0.6, 2.0 + 5.0 * 0.6 + 2.0 * 0.8);
+        assert!((slope.along(place) - 5.0).abs() < 1e-14);
+        let (depth, normal) = slope.depth(place, 3.0);
+        assert!((depth - 1.0).abs() < 1e-14);
+        assert_eq!(normal, slope.normal);
+    }
+}

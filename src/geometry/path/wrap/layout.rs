@@ -93,7 +93,7 @@ impl Layout {
             let det = a * d - b * c;
             shift -= (d * f - b * g) / det;
             distance -= (a * g - c * f) / det;
-            if !(shift.is_finite() && distance.is_finite()) {
+            if ![shift, distance].into_iter().all(f64::is_finite) {
                 return None;
             }
         }
@@ -166,5 +166,114 @@ impl Layout {
             }
         }
         path
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    // Newton's method ends at rounding errors: 1e-16 of the distance, times the slope of a strand's length, below 5.
+    /// Two wheels of 16 teeth with eight pitches on each.
+    fn layout(pitch: f64, strands: [u32; 2]) -> Layout {
+        Layout {
+            pitch,
+            wheels: [Wheel::on_pitch_circle(pitch, 16); 2],
+            split: Split {
+                seated: [8, 8],
+                strands,
+            },
+        }
+    }
+
+    #[test]
+    fn a_strand_is_taut_at_the_shift_that_turns_both_wheels_towards_it() {
+        // Each end moves by r sin(a) along the strand: 20 pitches less 2 r sin(a) are left, at the arc r a.
+        let pitch = 0.0127;
+        let radius = pitch / (2.0 * (PI / 16.0).sin());
+        for (links, strand) in [
+            (16, Strand::Upper),
+            (18, Strand::Upper),
+            (16, Strand::Lower),
+        ] {
+            let mut strands = [40 - links; 2];
+            strands[strand as usize] = links;
+            let shorter = 0.5 * f64::from(20 - links) * pitch;
+            let arc = radius * (shorter / radius).asin();
+            let sign = if strand == Strand::Upper { 1.0 } else { -1.0 };
+            let found = layout(pitch, strands)
+                .tighten(strand, 20.0 * pitch)
+                .unwrap();
+            assert!((found - sign * arc).abs() < 1e-12, "{links}: {found} {arc}");
+        }
+        // Fifteen links need 3.46 pitches of shift; at most three are tried.
+        let arc = radius * (2.5 * pitch / radius).asin();
+        assert!(arc > 3.0 * pitch && arc < 3.5 * pitch);
+        assert_eq!(
+            layout(pitch, [15, 25]).tighten(Strand::Upper, 20.0 * pitch),
+            None
+        );
+    }
+
+    #[test]
+    fn both_strands_close_in_any_unit_of_length() {
+        for pitch in [0.0127, 1e7, 1e-6] {
+            let (shift, distance) = layout(pitch, [20, 20]).close(21.0 * pitch).unwrap();
+            assert!(shift.abs() < 1e-12 * pitch);
+            assert!((distance - 20.0 * pitch).abs() < 1e-12 * pitch);
+        }
+    }
+
+    #[test]
+    fn strands_that_differ_by_more_than_four_radii_close_at_no_distance() {
+        // An end is at most a radius from its wheel's centre: strands of 1 and 40 pitches differ by 15 radii.
+        let pitch = 0.0127;
+        for distance in [5.0, 20.0, 40.0] {
+            assert_eq!(layout(pitch, [1, 40]).close(distance * pitch), None);
+        }
+    }
+
+    #[test]
+    fn steep_strands_of_one_pitch_close_as_the_sides_of_their_triangles() {
+        // 57 of 60 teeth leave 9 degrees above and below the line of centres, one of 9 teeth 20 degrees.
+        let pitch = 0.0127;
+        let wheels = [60, 9].map(|teeth| Wheel::on_pitch_circle(pitch, teeth));
+        let split = Split {
+            seated: [57, 1],
+            strands: [1, 1],
+        };
+        let layout = Layout {
+            pitch,
+            wheels,
+            split,
+        };
+        let [first, second] = [(0, 9.0_f64), (1, 20.0)]
+            .map(|(i, degrees)| wheels[i].hinge_radius * unit(degrees.to_radians()));
+        let rise = second.y - first.y;
+        let expected = first.x + (pitch * pitch - rise * rise).sqrt() - second.x;
+        let (shift, distance) = layout.close(8.3 * pitch).unwrap();
+        assert!(shift.abs() < 1e-13 * pitch);
+        assert!((distance - expected).abs() < 1e-12 * pitch);
+    }
+
+    #[test]
+    fn level_strands_close_from_any_first_distance() {
+        // Their lengths are linear in the distance, so that Newton's method is exact.
+        let pitch = 0.0127;
+        let (shift, distance) = layout(pitch, [20, 20]).close(1e6 * pitch).unwrap();
+        assert!(shift.abs() < 1e-12 * pitch && (distance - 20.0 * pitch).abs() < 1e-12 * pitch);
+    }
+
+    #[test]
+    fn a_shift_of_three_pitches_and_a_residual_below_the_limit_are_permitted() {
+        let layout = layout(0.0127, [20, 20]);
+        let limit = 3.0 * layout.pitch;
+        assert_eq!(
+            layout.solve_shift(|shift| (shift - limit, 1.0)),
+            Some(limit)
+        );
+        assert_eq!(layout.solve_shift(|_| (1e-12, 1e3)), None);
+        // Of equal residuals the first one is kept.
+        assert_eq!(layout.solve_shift(|_| (1e-13, 1e3)), Some(0.0));
     }
 }

@@ -116,11 +116,13 @@ impl ToothProfile {
     #[must_use]
     pub fn pinch(&self, radius: f64) -> Option<(Surface, f64)> {
         const POINTS: usize = 24;
-        let outline = self.half_outline(4 * POINTS);
+        const POINTS_OF_OUTLINE: usize = 4 * POINTS;
+        let outline = self.half_outline(POINTS_OF_OUTLINE);
+        // The half of the outline on the side of the cylinder is the nearer one.
         let deepest = |place: Vec2| {
-            let off = outline.iter().flat_map(|p| [*p, Vec2::new(-p.x, p.y)]);
-            off.map(|p| radius - (p - place).norm())
-                .fold(f64::NEG_INFINITY, f64::max)
+            let beside = Vec2::new(place.x.abs(), place.y);
+            let depths = outline.iter().map(|p| radius - (p - beside).norm());
+            depths.fold(f64::NEG_INFINITY, f64::max)
         };
         let axis = self.axis();
         for (number, piece) in (0..).zip(self.whole()) {
@@ -138,5 +140,129 @@ impl ToothProfile {
             }
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Blank, Damage, OutlinePiece, Seat};
+
+    fn paper() -> ToothProfile {
+        ToothProfile::ansi(12.7, 7.9375, 17, Seat::BottomDiameter)
+    }
+
+    #[test]
+    fn a_roller_of_the_chain_rolls_along_the_whole_gap() {
+        for teeth in [9, 17, 60] {
+            let p = ToothProfile::ansi(12.7, 7.9375, teeth, Seat::PitchCircle);
+            let seat = p.ansi_curves().unwrap().seating.radius;
+            for share in [0.2, 0.8, 0.999] {
+                assert_eq!(p.pinch(share * seat), None, "{teeth} {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_roller_larger_than_the_seat_penetrates_the_working_curves_beside_it() {
+        // Touching the bottom, its centre is higher than the seat's by the difference d of their radii.
+        let p = paper();
+        let curves = *p.ansi_curves().unwrap();
+        let seat = curves.seating.radius;
+        for share in [1.001, 1.02] {
+            let radius = share * seat;
+            let (surface, depth) = p.pinch(radius).unwrap();
+            assert_eq!(surface, Surface::SEATING);
+            let from_working = Vec2::new(0.0, radius - seat) - curves.working.center;
+            let expected = from_working.norm() + radius - curves.working.radius;
+            assert!((depth - expected).abs() < 1e-12, "{share}: {depth}");
+        }
+        // At one end of the seat it is 2 d cos² A = 1.224 d deep at the other one; 1e-4 of its radius are permitted.
+        assert_eq!(p.pinch((1.0 + 7.5e-5) * seat), None);
+        assert!(p.pinch((1.0 + 9e-5) * seat).is_some());
+    }
+
+    #[test]
+    fn a_roller_is_pinched_between_flanks_that_come_nearer_to_each_other() {
+        // Flanks at f towards the middle: at the end of the flank both are 2 X cos f apart at the roller's centre.
+        let blank = Blank {
+            pitch: 12.7,
+            roller_diameter: 8.0,
+            teeth: 17,
+            seat: Seat::PitchCircle,
+            outside_radius: 37.5,
+            edge_radius: 0.2,
+        };
+        let (seat, lean) = (4.0, 0.1_f64);
+        let p = ToothProfile::straight(&blank, seat, -lean).unwrap();
+        let end = p.whole()[1].end;
+        let radius = 3.9;
+        let place = end + radius * Vec2::new(-lean.cos(), -lean.sin());
+        // The lines have the distance 4 from the seat's centre, less the rise of the roller's centre.
+        let to_left = seat + place.x * lean.cos() - place.y * lean.sin();
+        let (surface, depth) = p.pinch(radius).unwrap();
+        assert_eq!(surface, Surface(1));
+        assert!((depth - (radius - to_left)).abs() < 1e-12, "{depth}");
+        assert_eq!(p.pinch(3.0), None);
+    }
+
+    #[test]
+    fn in_the_middle_of_a_gap_the_right_flank_is_taken() {
+        let damaged = |teeth: &[u32]| {
+            let damage: Vec<_> = teeth
+                .iter()
+                .map(|&tooth| Damage { tooth, height: 0.6 })
+                .collect();
+            paper().with_damage(&damage, 0.2).unwrap()
+        };
+        // The seat of the stump on the right, beside a whole tooth on the left.
+        let p = damaged(&[2]);
+        let seated = p.contact_in(3, Vec2::new(0.0, -0.5), 3.0);
+        assert_eq!(seated.surface.index(), p.damaged().next().unwrap().1.start);
+        // Above the seat between two stumps, both flanks are equally deep.
+        let p = damaged(&[2, 3]);
+        let between = p.contact_in(3, Vec2::new(0.0, 3.0), 3.0);
+        assert!(between.normal.x > 0.0 && between.region > 4, "{between:?}");
+    }
+
+    #[test]
+    fn a_roller_on_a_wide_bottom_meets_the_flank_before_it_rolls_into_a_fillet() {
+        // Bottom of radius 50, fillet of 0.3 and a convex flank of 10. The bottom is nearest to the roller, but the flank is deeper.
+        let (bottom, turn, fillet, flank) = (50.0, 0.03_f64, 0.3, 10.0);
+        let lowest = Vec2::new(0.0, 30.5);
+        let middle = lowest + bottom * Vec2::y();
+        let down = |angle: f64| Vec2::new(angle.sin(), -angle.cos());
+        let corner = middle + bottom * down(turn);
+        let hollow = corner - fillet * down(turn);
+        let normal = crate::geometry::unit(-0.25);
+        let bend = hollow + fillet * normal;
+        let round = bend + flank * normal;
+        let piece = |start: Vec2, end: Vec2, center: Vec2| OutlinePiece {
+            start,
+            end,
+            center: Some(center),
+        };
+        let pieces = [
+            piece(lowest, corner, middle),
+            piece(corner, bend, hollow),
+            piece(bend, round + flank * crate::geometry::unit(1.9), round),
+        ];
+        let p = ToothProfile::custom(12.7, 17, &pieces, Some((37.0, 0.2))).unwrap();
+        // 24 places on the bottom, of which the first is taken that is too deep. Points of the flank are 0.09 apart: on circles
+        // of 2 and 10 they are off by up to s²/8 (1/2 + 1/10).
+        let radius = 2.0;
+        let depths = (0..24).map(|i| {
+            let place = middle + (bottom - radius) * down(turn * f64::from(i) / 23.0);
+            flank + radius - (round - place).norm()
+        });
+        let expected = depths
+            .into_iter()
+            .find(|&depth| depth > 1e-4 * radius)
+            .unwrap();
+        let (surface, depth) = p.pinch(radius).unwrap();
+        assert_eq!(surface, Surface::SEATING);
+        assert!((depth - expected).abs() < 6e-4, "{depth} {expected}");
+        // A thin one rolls through the fillet.
+        assert_eq!(p.pinch(0.29), None);
     }
 }
