@@ -15,7 +15,7 @@ from reference.compare import assert_within
 from reference.dynamics import DriveEquations
 
 pytest.importorskip("scipy", minversion="1.11")
-from scipy.sparse import diags_array, eye_array, kron  # noqa: E402
+from scipy.sparse import diags_array, eye_array, kron
 
 LN = rc.LankaraniNikravesh()
 
