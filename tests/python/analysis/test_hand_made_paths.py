@@ -419,9 +419,12 @@ def test_key_figures_need_what_they_are_made_of(summed):
     assert set(without(summed, *teeth).summary()) == names - engaged - impacts
     assert set(without(summed, *sprockets).summary()) == names - engaged - turning - powers
     assert set(without(summed, "energy").summary()) == names - powers
-    alone = without(summed, "hinge", "peak_hinge", "strand", "energy", "positions")
+    bodies = ("positions", "velocities")
+    alone = without(summed, "hinge", "peak_hinge", "strand", "energy", *bodies)
+    assert set(alone.groups) == {"sprockets", "teeth"}
     assert set(alone.summary()) == engaged | impacts | turning
-    alone = without(summed, "hinge", "peak", "strand", "tooth", "positions")
+    alone = without(summed, "hinge", "peak", "strand", "tooth", *bodies)
+    assert set(alone.groups) == {"sprockets", "energy"}
     assert set(alone.summary()) == turning | powers
     uncounted = replace(summed, jumps=None)
     assert set(uncounted.summary()) == names - {"tooth_jumps"}
