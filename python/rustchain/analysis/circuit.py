@@ -133,8 +133,7 @@ class Circuit:
             inside = (
                 section.name
                 for section in self.sections
-                for shift in (-self.links, 0, self.links)
-                if section.begin <= position + shift < section.end
+                if (position - section.begin) % self.links < section.end - section.begin
             )
             found.append(next(inside, ""))
         return found
@@ -163,9 +162,9 @@ class Belt:
         """Return the line round sprockets at `centers` [m], (times, sprockets, 2)."""
         report = drive.check()
         order = [number - 1 for number in report.order]
-        sides = [1.0 if report.sides[k] == "inside" else -1.0 for k in order]
+        outside = [report.sides[k] == "outside" for k in order]
         # Counterclockwise, an inside wheel lies left of the line: points are right of its centre.
-        radius = np.array([report.pitch_radius[k] for k in order]) * sides
+        radius = np.where(outside, -1.0, 1.0) * [report.pitch_radius[k] for k in order]
         here, there = centers[:, order], np.roll(centers[:, order], -1, axis=1)
         way = there - here
         distance = np.hypot(way[..., 0], way[..., 1])
@@ -175,7 +174,7 @@ class Belt:
         outward = np.stack([np.cos(normal), np.sin(normal)], -1)
         begin = here + radius[:, None] * outward
         end = there + np.roll(radius, -1)[:, None] * outward
-        flipped = np.where(np.array(sides) < 0.0, math.pi, 0.0)
+        flipped = np.where(outside, math.pi, 0.0)
         return cls(
             meeting=np.roll(normal, 1, axis=1) + flipped,
             leaving=normal + flipped,

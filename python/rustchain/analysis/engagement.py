@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -76,15 +77,12 @@ def impacts(
         msg = f"within = {shown(within)}: must be a positive number of pitches"
         raise InvalidInput(msg)
     count = len(result.drive.sprockets)
-    numbers = range(1, count + 1)
+    numbers: Sequence[int] = range(1, count + 1)
     if isinstance(sprocket, str) and sprocket.startswith("guide"):
-        numbers = range(
-            count + guide_number(result, sprocket), count + 1 + len(result.drive.guides)
-        )
-        numbers = numbers[:1]
+        numbers = [count + guide_number(result, sprocket)]
     elif sprocket is not None:
         check_sprocket(result, sprocket)
-        numbers = range(int(sprocket), int(sprocket) + 1)
+        numbers = [int(sprocket)]
     rows = rows_between(result, start, end)
     wheel, gap, region = (
         result.array(f"tooth_{name}")[rows] for name in ("sprocket", "index", "region")
@@ -105,8 +103,8 @@ def impacts(
             if first == 0 or wheel[first, k] not in numbers:
                 continue  # the onset lies before the evaluated part
             # The row that first shows the contact ends the interval in which it began.
-            early = slice(first, max(first + 1, _row_at(passed, first, within)))
-            whole = slice(first, min(last + 2, len(time)))
+            early = slice(first, _row_at(passed, first, within))
+            whole = slice(first, last + 2)
             found.append(
                 Impact(
                     time[first],
@@ -124,5 +122,5 @@ def impacts(
 
 
 def _row_at(passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: float) -> int:
-    """Return the row at which the chain has gone on by `within` pitches since row `first`."""
+    """Return the row, after `first`, at which the chain has gone on by `within` pitches since."""
     return first + int(np.searchsorted(passed[first:] - passed[first], within, "left"))

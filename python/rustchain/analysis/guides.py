@@ -84,7 +84,7 @@ def guide_loads(
     reach = math.ceil(_length(result, number) / (2 * result.drive.chain.pitch)) + 1.5
     along = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
     along = along - _middle(result, number)
-    along = np.mod(along + 0.5 * circuit.links, circuit.links) - 0.5 * circuit.links
+    along -= circuit.links * np.round(along / circuit.links)
     bins = round(2 * reach * bins_per_pitch)
     place = bins_of(along, -reach, 1.0 / bins_per_pitch, bins)
     position = -reach + (np.arange(bins) + 0.5) / bins_per_pitch
@@ -109,11 +109,12 @@ def guide_loads(
 def guide_number(result: Result, guide: int | str) -> int:
     """Return the number of a guide, from 1; `guide` is that, or a name such as "guide_1"."""
     count = len(result.drive.guides)
-    number = guide
     if isinstance(guide, str):
         digits = guide.removeprefix("guide_")
-        number = int(digits) if digits.isdecimal() else guide
-    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= count:
+        number = int(digits) if digits.isdecimal() else 0
+    else:
+        number = guide
+    if not 1 <= number <= count:
         known = f"1 to {count}, or 'guide_1' and so on" if count else "but the drive has none"
         msg = f"guide = {shown(guide)}: must be the number of a guide, {known}"
         raise InvalidInput(msg)
@@ -133,10 +134,9 @@ def _middle(result: Result, number: int) -> float:
     table = _rustchain.chain_links(result.drive.chain)
     x, y, angle = result.initial_positions[:links].T
     half = 0.5 * table[:, 0]
-    hinges = np.stack([x + half * np.cos(angle), y + half * np.sin(angle)], -1)
-    behind = np.roll(hinges, -1, axis=0)
-    step = behind - hinges
-    along = ((np.array(guide.center) - hinges) * step).sum(-1) / (step**2).sum(-1)
+    hinges = np.stack([x + half * np.cos(angle), y + half * np.sin(angle)], axis=1)
+    step = np.roll(hinges, -1, axis=0) - hinges
+    along = ((np.array(guide.center) - hinges) * step).sum(axis=1) / (step**2).sum(axis=1)
     inside = np.clip(along, 0.0, 1.0)
     foot = hinges + inside[:, None] * step
     nearest = int(np.argmin(np.hypot(*(foot - np.array(guide.center)).T)))

@@ -71,7 +71,7 @@ def hinge_loads(
     circuit = Circuit.of(result.drive)
     where = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
     bins = bins_per_pitch * circuit.links
-    place = np.floor(np.mod(where, circuit.links) * bins_per_pitch).astype(np.intp) % bins
+    place = np.floor(where * bins_per_pitch).astype(np.intp) % bins
     forces = _forces(result, "hinge", rows)
     span = intervals(result.time)[rows, None]
     position = (np.arange(bins) + 0.5) / bins_per_pitch
@@ -185,12 +185,12 @@ def tooth_loads(
     teeth = result.drive.sprockets[sprocket - 1].teeth
     forces = by_gap(result, sprocket, rows)
     turned = midway(result.array("sprocket_angle")[:, sprocket - 1])[rows, None]
-    around = np.mod((turned + 2 * np.pi * np.arange(teeth) / teeth) / (2 * np.pi), 1.0)
+    around = (turned + 2 * np.pi * np.arange(teeth) / teeth) / (2 * np.pi)
     bins = bins_per_pitch * teeth
     place = np.floor(around * bins).astype(np.intp) % bins
     span = intervals(result.time)[rows, None]
     angle = 2 * np.pi * (np.arange(bins) + 0.5) / bins
-    turns = float(np.abs(turned[-1, 0] - turned[0, 0]) / (2 * np.pi)) if len(turned) else 0.0
+    turns = float(np.abs(turned[-1, 0] - turned[0, 0]) / (2 * np.pi))
     return xr.Dataset(
         load_variables("angle", place, bins, forces, span, quantiles)
         | {
@@ -219,7 +219,7 @@ def by_gap(result: Result, sprocket: int, rows: slice) -> Forces:
         for name in ("tooth_sprocket", "tooth_index")
     )
     of = _forces(result, "tooth", rows)
-    met = np.nonzero((wheel == sprocket) & ((of.peak > 0.0) | (of.force > 0.0)))
+    met = np.nonzero(wheel == sprocket)
     place, shape = (met[0], gap[met]), (len(of.peak), teeth)
     found = Forces(np.zeros(shape), np.zeros(shape), np.zeros(shape))
     np.add.at(found.force, place, of.force[met])

@@ -242,7 +242,7 @@ def _of_gaps(
         np.take_along_axis(result.array(f"tooth_{name}"), nearest, 0)
         for name in ("sprocket", "index")
     )
-    row, bushing = np.nonzero((wheel == sprocket) & (most > 0.0))
+    row, bushing = np.nonzero(wheel == sprocket)
     gaps = gap[row, bushing]
     shape = (len(now), result.drive.sprockets[sprocket - 1].teeth)
     of_gaps = np.zeros(shape), np.zeros(shape)

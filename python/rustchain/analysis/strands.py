@@ -91,7 +91,7 @@ def strand_motion(
     way = finish - begin
     length = np.hypot(way[:, 0], way[:, 1])
     along = way / length[:, None]
-    outward = np.stack([along[:, 1], -along[:, 0]], -1)  # the loop runs counterclockwise
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the loop runs counterclockwise
     hinges = _hinge_places(result, rows) - begin[:, None]
     x = (hinges * along[:, None]).sum(-1) / length[:, None]
     y = (hinges * outward[:, None]).sum(-1)
@@ -201,7 +201,7 @@ def natural_frequencies(
     mode = np.arange(1, modes + 1)
     if tension <= 0.0:
         return np.full(modes, np.nan)
-    sine = np.sin(np.minimum(0.5 * np.pi * mode / pitches, 0.5 * np.pi))
+    sine = np.sin(0.5 * np.pi * mode / pitches)
     square = 4.0 * sine**2
     resting = np.sqrt(
         tension

@@ -44,9 +44,11 @@ class Summary(dict[str, float], HtmlView):
 
     def __repr__(self) -> str:
         """Return a line for each figure."""
-        width = max(map(len, self), default=0)
+        if not self:
+            return "nothing was recorded to sum up"
+        width = max(map(len, self))
         lines = (f"{name:<{width}}  {value:>12} {unit}" for name, value, unit in self.rows())
-        return "\n".join(map(str.rstrip, lines)) or "nothing was recorded to sum up"
+        return "\n".join(map(str.rstrip, lines))
 
 
 # Of the figures whose names begin so; all others are ratios or counts.
@@ -106,7 +108,7 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
         power = mean_powers(result, start, end)
         found["loss"] = float(sum(power.losses.values()))
         motions = [sprocket.motion for sprocket in result.drive.sprockets]
-        driven = len(motions) > 1 and not all(isinstance(motion, Free) for motion in motions[1:])
+        driven = not all(isinstance(motion, Free) for motion in motions[1:])
         if driven and not skipped:
             found["efficiency"] = power.efficiency
     return Summary(found)

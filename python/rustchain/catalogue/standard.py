@@ -153,12 +153,11 @@ def two_sprocket_drive(
     >>> round(drive.sprockets[1].center[0], 4)  # [m]; the strands are straight
     0.2471
     """
-    if links is None and isinstance(chain, Chain):
-        links = chain.links
     teeth = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
     iso = isinstance(chain, str) and _size(chain)[0].standard == "ISO 606"
     if isinstance(chain, Chain):
-        pitch = (chain if links is None else replace(chain, links=links)).mean_pitch
+        links = chain.links if links is None else links
+        pitch = replace(chain, links=links).mean_pitch
     else:
         pitch = _size(chain)[0].pitch
     if links is None:

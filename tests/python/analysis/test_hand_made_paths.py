@@ -1,0 +1,469 @@
+"""Chain paths, belt lines, strands and key figures of histories made by hand."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import linalg, signal
+from scipy.integrate import trapezoid
+
+import rustchain as rc
+from rustchain.analysis.circuit import Belt, Circuit
+from rustchain.analysis.strands import natural_frequencies
+
+SPEED = rc.PrescribedSpeed(12.566)
+# Teeth 17, 25 and, on the outside, 13; in another order; and two in a line that is inclined.
+THREE = rc.chain_drive(
+    "ANSI 40",
+    [
+        rc.Sprocket(17, (0.0, 0.0), SPEED),
+        rc.Sprocket(25, (0.35, -0.05), rc.AppliedTorque(-2.0)),
+        rc.Sprocket(13, (0.18, -0.005), side="outside"),
+    ],
+)
+OUTSIDE_FIRST = rc.chain_drive(
+    "ANSI 40",
+    [
+        rc.Sprocket(13, (0.18, -0.005), SPEED, side="outside"),
+        rc.Sprocket(17, (0.0, 0.0)),
+        rc.Sprocket(25, (0.35, -0.05)),
+    ],
+)
+INCLINED = rc.chain_drive(
+    "ANSI 40",
+    [rc.Sprocket(25, (0.1, 0.2), SPEED), rc.Sprocket(17, (0.0, 0.5), rc.AppliedTorque(-1.0))],
+)
+PITCH = 0.0127  # [m]
+
+
+def pitch_radius(teeth):
+    return PITCH / (2 * math.sin(math.pi / teeth))
+
+
+@pytest.fixture(scope="module")
+def run():
+    record = ("hinges", "teeth", "sprockets", "bodies", "energy")
+    return rc.Simulation(THREE).run(1e-3, record=record, progress=False)
+
+
+def made(run, pitches, time, **arrays):
+    """Return a result whose chain has moved so many pitches; what is not given is zero."""
+    rows = len(pitches)
+    turned = run.drive.check().phase[0] + 2 * math.pi / 17 * np.array(pitches)
+    zeros = {
+        name: np.zeros((rows, *array.shape[1:]), array.dtype) for name, array in run.arrays.items()
+    }
+    angle = np.stack([turned, 17 / 25 * turned, -17 / 13 * turned], axis=-1)
+    center = np.tile(run.array("sprocket_center")[:1], (rows, 1, 1))
+    given = {"time": np.array(time), "sprocket_angle": angle, "sprocket_center": center}
+    return replace(run, arrays=zeros | given | arrays)
+
+
+def direction(angle):
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+@pytest.mark.parametrize("drive", [THREE, OUTSIDE_FIRST, INCLINED])
+def test_the_belt_line_is_tangent_to_the_pitch_circles(drive):
+    """At two times; wheels inside the loop lie left of the line, wheels outside right of it."""
+    base = np.array([sprocket.center for sprocket in drive.sprockets])
+    centers = np.stack([base, base + [[0.0, 0.0], [0.02, -0.01], [-0.01, 0.01]][: len(base)]])
+    belt = Belt.around(drive, centers)
+    count = len(base)
+    for place, sprocket in enumerate(drive.sprockets):
+        radius = pitch_radius(sprocket.teeth)
+        following = (place + 1) % count
+        next_radius = pitch_radius(drive.sprockets[following].teeth)
+        begin, end = belt.strand(place)
+        np.testing.assert_allclose(
+            begin, centers[:, place] + radius * direction(belt.leaving[:, place]), atol=1e-12
+        )
+        entry = direction(belt.meeting[:, following])
+        np.testing.assert_allclose(end, centers[:, following] + next_radius * entry, atol=1e-12)
+        way = end - begin
+        for center, touch, wheel, size in (
+            (centers[:, place], begin, sprocket, radius),
+            (centers[:, following], end, drive.sprockets[following], next_radius),
+        ):
+            arm = center - touch
+            np.testing.assert_allclose((way * arm).sum(axis=1), 0.0, atol=1e-12)
+            side = way[:, 0] * arm[:, 1] - way[:, 1] * arm[:, 0]
+            sign = 1.0 if wheel.side == "inside" else -1.0
+            expected = sign * np.hypot(*way.T) * size
+            np.testing.assert_allclose(side, expected, rtol=1e-9)
+    line = base[1] - base[0]
+    assert belt.line_angle == pytest.approx(math.atan2(line[1], line[0]))
+
+
+@pytest.mark.parametrize("drive", [THREE, OUTSIDE_FIRST, INCLINED])
+def test_sections_begin_and_end_where_the_belt_line_meets_and_leaves_the_pitch_circles(drive):
+    """Seats are pitches apart; a wrap is as many pitches long as its angle has tooth angles.
+
+    The first seats lie a whole number of pitches apart along the path, as the report has them.
+    """
+    report = drive.check()
+    sections = Circuit.of(drive).sections
+    count = len(drive.sprockets)
+    belt = Belt.around(drive, np.array([[sprocket.center for sprocket in drive.sprockets]]))
+    # Two strands are reported as upper and lower; a counterclockwise chain meets the lower first.
+    strands = dict(zip(report.strands, report.strand_pitches, strict=True))
+    names = list(report.strands)[:: -1 if count == 2 else 1]
+    seat = 0
+    for place, sprocket in enumerate(drive.sprockets):
+        wrap, strand = sections[2 * place : 2 * place + 2]
+        assert (wrap.name, wrap.sprocket) == (f"sprocket {place + 1}", place + 1)
+        assert (strand.name, strand.sprocket) == (f"strand {names[place]}", None)
+        sign = 1.0 if sprocket.side == "inside" else -1.0
+        tooth = 2 * math.pi / sprocket.teeth
+        meeting, leaving = belt.meeting[0, place], belt.leaving[0, place]
+        wrapped = sign * (leaving - meeting) % (2 * math.pi) / tooth
+        assert wrap.end - wrap.begin == pytest.approx(wrapped)
+        first = report.first_seat_angle[place] + (belt.line_angle if count == 2 else 0.0)
+        on_seat = meeting + sign * (seat - wrap.begin) * tooth
+        np.testing.assert_allclose(direction(on_seat), direction(first), atol=1e-9)
+        assert abs(wrap.begin - seat) <= 1.0
+        assert strand.begin == wrap.end
+        seat += report.wrap_pitches[place] + strands[names[place]]
+        last = sections[0].begin + drive.chain.links
+        following = sections[2 * place + 2].begin if place + 1 < count else last
+        assert strand.end == pytest.approx(following)
+    assert seat == drive.chain.links
+
+
+def test_the_path_of_an_open_chain_is_none():
+    drive = rc.open_chain(
+        "ANSI 40",
+        ends=(rc.AnchoredEnd((-0.16, -0.02), links=30), rc.LoadedEnd(5.0, arm=0.08)),
+        links=60,
+        sprockets=[rc.Sprocket(17, motion=SPEED)],
+    )
+    with pytest.raises(rc.InvalidInput, match="an open chain has no closed"):
+        Circuit.of(drive)
+
+
+def test_hinges_go_round_the_path_by_a_pitch_a_tooth(run):
+    """Position 0 is that of hinge 1 at the start; a wheel outside turns against the chain."""
+    result = made(run, [0.0, 3.3, 80.5, -1.25], [0.0, 1.0, 2.0, 3.0])
+    found = Circuit.of(THREE).positions(result)
+    start = np.arange(78)
+    expected = np.stack([start, start + 3.3, start + 80.5, start - 1.25]) % 78
+    apart = (found - expected + 39) % 78 - 39
+    np.testing.assert_allclose(apart, 0.0, atol=1e-9)
+    assert found.min() >= 0.0
+    assert found.max() < 78.0
+    phase = OUTSIDE_FIRST.check().phase[0]
+    angle = np.zeros((2, 3))
+    angle[:, 0] = phase, phase + 2.5 * 2 * math.pi / 13
+    other = rc.Simulation(OUTSIDE_FIRST).run(1e-4, record=("sprockets",), progress=False)
+    other = replace(other, arrays={"time": np.array([0.0, 1.0]), "sprocket_angle": angle})
+    np.testing.assert_allclose(Circuit.of(OUTSIDE_FIRST).moved(other), [0.0, -2.5], atol=1e-12)
+
+
+def test_sections_are_found_by_number_and_name_and_by_position():
+    circuit = Circuit.of(THREE)
+    assert circuit.section(2) == circuit.section("sprocket 2") == circuit.sections[2]
+    assert circuit.section("2-3") == circuit.section("strand 2-3") == circuit.sections[3]
+    with pytest.raises(rc.InvalidInput, match=r"'3-2' is no section .* known: 'sprocket 1', "):
+        circuit.section("3-2")
+    with pytest.raises(rc.InvalidInput, match="4 is no section"):
+        circuit.section(4)
+    first, strand, second = circuit.sections[:3]
+    positions = [first.begin, first.end, second.begin, second.end, 0.1, 77.9, math.nan]
+    names = ["sprocket 1", "strand 1-2", "sprocket 2", "strand 2-3", "strand 3-1", "strand 3-1", ""]
+    assert circuit.names(np.array(positions)) == names
+    assert strand.begin == first.end
+    # Here the first wrap begins before position 0.
+    before = Circuit.of(OUTSIDE_FIRST)
+    assert before.sections[0].begin < -0.2
+    assert before.names(np.array([77.8, 77.6, 0.0])) == ["sprocket 1", "strand 3-1", "sprocket 1"]
+
+
+def test_the_tension_is_the_pull_along_the_links_ahead(run):
+    """Pins are in links with odd number: forces on the pin count, of bushings their opposite.
+
+    A pull of 7 N along the chain, and whatever there is across it, on links of any direction.
+    """
+    rng = np.random.default_rng(8)
+    positions = np.zeros((3, *run.array("positions").shape[1:]))
+    positions[:, :, :2] = rng.uniform(-1.0, 1.0, positions[:, :, :2].shape)
+    links = 78
+    step = np.empty((3, links, 2))
+    for k in range(links):
+        step[:, k] = positions[:, (k + 1) % links, :2] - positions[:, k, :2]
+    along = step / np.linalg.norm(step, axis=2, keepdims=True)
+    across = np.stack([-along[..., 1], along[..., 0]], axis=2)
+    pull, beside = rng.uniform(-9.0, 9.0, (2, 3, links, 1))
+    on_front = pull * along + beside * across
+    has_bushings = np.arange(links) % 2 == 0  # inner links come first
+    on_pin = np.where(has_bushings[:, None], -on_front, on_front)
+    result = made(
+        run, [0.0, 0.1, 0.2], [0.0, 0.1, 0.2], positions=positions, hinge_force_vector=on_pin
+    )
+    found = result.link_tension(start=0.1)
+    np.testing.assert_allclose(found, pull[1:, :, 0], rtol=1e-9)
+    assert list(found["hinge"]) == list(range(1, 79))
+
+
+@pytest.mark.parametrize(("strand", "moved"), [("1-2", 3.3), ("3-1", 70.6), (2, 12.45)])
+def test_the_motion_of_a_strand_is_what_its_hinges_are_off_its_line(run, strand, moved):
+    """Hinges within two pitches of the strand count, others lie about; the line moves too."""
+    rng = np.random.default_rng(9)
+    place = {"1-2": 0, 2: 1, "3-1": 2}[strand]
+    rows = 3
+    center = np.tile(run.array("sprocket_center")[:1], (rows, 1, 1))
+    center[1, 1] += 0.004, 0.003
+    positions = np.zeros((rows, *run.array("positions").shape[1:]))
+    begin, end = Belt.around(THREE, center).strand(place)
+    section = Circuit.of(THREE).sections[2 * place + 1]
+    stations = (0.02, 0.35, 0.98)
+    expected = np.empty((rows, 3))
+    for row in range(rows):
+        way = end[row] - begin[row]
+        length = math.hypot(*way)
+        along = way / length
+        outward = np.array([along[1], -along[0]])
+        inside = []
+        for k in range(78):
+            at = (k + moved - section.begin + 20.0) % 78 - 20.0  # pitches behind the strand's begin
+            near = -2.0 < at < section.end - section.begin + 2.0
+            x = at * PITCH / length if near else rng.uniform(0.0, 1.0)
+            y = rng.uniform(-0.01, 0.01) if near else 5.0
+            if near:
+                inside.append((x, y))
+            turn = rng.uniform(-3.0, 3.0)
+            front = begin[row] + x * length * along + y * outward
+            positions[row, k, :2] = front - 0.5 * PITCH * direction(turn)
+            positions[row, k, 2] = turn
+        expected[row] = np.interp(stations, *np.array(sorted(inside)).T)
+    result = made(
+        run,
+        [moved] * rows,
+        [0.0, 0.1, 0.2],
+        positions=positions,
+        sprocket_center=center,
+    )
+    found = result.strand_motion(strand, stations=stations, start=0.1)
+    np.testing.assert_allclose(found, expected[1:], atol=1e-9)
+    assert found.attrs["strand"] == THREE.check().strands[place]
+    length = np.hypot(*(end - begin)[1:].T).mean()
+    assert found.attrs["length"] == pytest.approx(length)
+
+
+@pytest.mark.parametrize("stations", [(), (0.0, 0.5), (0.5, 1.0), (-0.1,), (1.5,)])
+def test_stations_lie_between_the_ends_of_the_strand(run, stations):
+    with pytest.raises(rc.InvalidInput, match="shares of the strand's length between 0 and 1"):
+        run.strand_motion("1-2", stations=stations)
+
+
+def test_the_spectrum_of_a_strand_is_that_of_its_motion(run):
+    """Welch's with one segment; tension and speed are means over the rows of the part."""
+    rng = np.random.default_rng(10)
+    rows = 40
+    time = 0.5 + 1e-3 * np.arange(rows)
+    positions = np.tile(run.array("positions")[:1], (rows, 1, 1))
+    positions[:, :78, :2] += rng.uniform(-1e-3, 1e-3, (rows, 78, 2))
+    tension = rng.uniform(50.0, 90.0, (rows, 3))
+    speed = rng.uniform(-2.0, 8.0, (rows, 3))
+    result = made(
+        run, [0.0] * rows, time, positions=positions, strand_tension=tension, sprocket_speed=speed
+    )
+    found = result.strand_spectrum("2-3", stations=(0.3, 0.6), modes=2, start=time[8])
+    motion = result.strand_motion("2-3", stations=(0.3, 0.6))[8:].to_numpy()
+    frequency, density = signal.welch(
+        motion.T, 1e3, window="hann", nperseg=rows - 8, detrend="linear"
+    )
+    np.testing.assert_allclose(found["frequency"], frequency)
+    np.testing.assert_allclose(found["density"], density, rtol=1e-9, atol=1e-20)
+    mean = tension[8:, 1].mean()
+    chain_speed = pitch_radius(17) * np.abs(speed[8:, 0]).mean()
+    assert found.attrs["tension"] == pytest.approx(mean)
+    assert found.attrs["speed"] == pytest.approx(chain_speed)
+    assert found.attrs["tooth_frequency"] == pytest.approx(chain_speed / PITCH)
+    begin, end = Belt.around(THREE, result.array("sprocket_center")[:1]).strand(1)
+    pitches = math.hypot(*(end - begin)[0]) / PITCH
+    assert found.attrs["pitches"] == pytest.approx(pitches)
+    expected = natural_frequencies(THREE.chain, pitches, mean, chain_speed, 2)
+    np.testing.assert_allclose(found["natural_frequency"], expected)
+    assert list(found["mode"]) == [1, 2]
+    assert len(result.strand_spectrum("2-3")["mode"]) == 3
+    one = result.strand_spectrum("2-3", modes=1, start=time[8])["natural_frequency"]
+    np.testing.assert_allclose(one, expected[:1])
+    with pytest.raises(rc.InvalidInput, match="modes"):
+        result.strand_spectrum("2-3", modes=0)
+    with pytest.raises(rc.InvalidInput, match="modes"):
+        result.strand_spectrum("2-3", modes=79)
+
+
+@pytest.mark.parametrize("speed", [0.0, 4.0])
+@pytest.mark.parametrize("links", [2, 5, 12])
+def test_natural_frequencies_are_the_eigenvalues_of_hinged_links(links, speed):
+    """Equal rigid links between fixed ends under tension: matrices of stiffness and mass."""
+    chain, tension = THREE.chain, 60.0
+    mass = 0.5 * (chain.inner.mass + chain.outer.mass)
+    inertia = 0.5 * (chain.inner.inertia + chain.outer.inertia)
+    stretch = np.zeros((links, links - 1))  # of the two hinges of each link: difference
+    middle = np.zeros((links, links - 1))
+    for k in range(links - 1):
+        stretch[[k, k + 1], k] = 1.0, -1.0
+        middle[[k, k + 1], k] = 0.5
+    stiffness = tension / PITCH * stretch.T @ stretch
+    inertial = mass * middle.T @ middle + inertia / PITCH**2 * stretch.T @ stretch
+    resting = np.sqrt(linalg.eigh(stiffness, inertial, eigvals_only=True)) / (2 * math.pi)
+    slowed = 1.0 - speed**2 * mass / PITCH / tension
+    found = natural_frequencies(chain, links, tension, speed, links + 1)
+    np.testing.assert_allclose(found[:-2], slowed * resting, rtol=1e-9)
+    assert np.isnan(found[-2:]).all()
+
+
+def test_a_slack_strand_and_one_at_the_speed_of_its_waves_have_no_frequencies():
+    chain = THREE.chain
+    density = 0.5 * (chain.inner.mass + chain.outer.mass) / PITCH
+    for tension in (0.0, -1.0, density * 4.0, density * 3.0):
+        assert np.isnan(natural_frequencies(chain, 20.0, tension, 2.0, 3)).all()
+    assert np.isfinite(natural_frequencies(chain, 20.0, 0.5, 0.0, 3)).all()
+
+
+@pytest.fixture(scope="module")
+def summed(run):
+    """Ten rows, a quarter pitch of the chain each, in which two bushings come to sprocket 1."""
+    rng = np.random.default_rng(11)
+    rows = 10
+    time = 0.1 * np.arange(rows)
+    wheel = np.zeros((rows, 78), np.int32)
+    wheel[2:4, 0] = wheel[3:6, 1] = 1
+    impact = np.zeros((rows, 78))
+    impact[2:6, :2] = [[3.0, 0.0], [5.0, 2.0], [90.0, 1.0], [0.0, 80.0]]
+    penetration = rng.uniform(-2e-6, 1e-6, (rows, 78))
+    penetration[3, 5:30] = 0.0  # pins that touch their bores without a force
+    arrays = {
+        "strand_tension": rng.uniform(20.0, 90.0, (rows, 3)),
+        "hinge_penetration": penetration,
+        "peak_hinge_force": rng.uniform(0.0, 50.0, (rows, 78)),
+        "peak_tooth_force": impact,
+        "tooth_sprocket": wheel,
+        "tooth_index": wheel * 4,
+        "sprocket_speed": rng.uniform(5.0, 9.0, (rows, 3)),
+        "sprocket_torque": np.tile([4.0, -0.3, 0.0], (rows, 1)),
+        "energy_external_work": 2.0 * time,
+        "energy_dissipated": 0.4 * time,
+    }
+    result = made(run, 0.25 * np.arange(rows), time, **arrays)
+    angle = result.array("sprocket_angle").copy()
+    angle[:, 1:] += rng.uniform(-0.01, 0.01, (rows, 2))
+    return replace(result, arrays=result.arrays | {"sprocket_angle": angle})
+
+
+def without(result, *prefixes):
+    kept = {name: v for name, v in result.arrays.items() if not name.startswith(prefixes)}
+    return replace(result, arrays=kept)
+
+
+def test_key_figures_are_those_of_the_recorded_rows(summed):
+    found = summed.summary()
+    tension = summed.array("strand_tension")
+    expected = {}
+    for k, name in enumerate(("1-2", "2-3", "3-1")):
+        expected[f"tension_{name}"] = tension[:, k].mean()
+        expected[f"tension_{name}_std"] = tension[:, k].std()
+    expected["hinge_contact_share"] = (summed.array("hinge_penetration") > 0.0).mean()
+    for part in ("hinge", "tooth"):
+        peak = summed.array(f"peak_{part}_force")
+        expected[f"{part}_force_p99"] = np.quantile(peak, 0.99)
+        expected[f"{part}_force_largest"] = peak.max()
+    expected["tooth_jumps"] = 0
+    # The first half pitch from the onset has two rows: 3 and 5 N of bushing 1, 2 and 1 of 2.
+    expected["engagement_force_mean"] = 3.5
+    expected["engagement_force_p95"] = 2.0 + 0.95 * 3.0
+    for number in (2, 3):
+        error = summed.transmission_error(driven=number, driver=1).attrs["peak_to_peak_length"]
+        expected[f"transmission_error_{number}"] = error
+        expected[f"ripple_{number}"] = summed.speed_ripple(number).attrs["rms"]
+    delivered = 0.3 * trapezoid(summed.array("sprocket_speed")[:, 1], dx=1 / 9)
+    expected["loss"] = 0.4
+    expected["efficiency"] = delivered / (delivered + 0.4)
+    assert list(found) == list(expected)
+    for name, value in expected.items():
+        assert found[name] == pytest.approx(value), name
+    late = summed.summary(start=0.15, end=0.55)
+    assert late["tension_2-3"] == pytest.approx(tension[2:6, 1].mean())
+    assert late["hinge_force_largest"] == summed.array("peak_hinge_force")[2:6].max()
+    assert late["engagement_force_mean"] == 2.0  # bushing 1 is in contact from the first row
+    assert late["loss"] == pytest.approx(0.4)
+
+
+def test_key_figures_have_units_and_print_as_a_table(summed):
+    found = summed.summary()
+    units = found.units
+    assert units["tension_1-2"] == units["hinge_force_p99"] == units["engagement_force_p95"] == "N"
+    assert (units["loss"], units["transmission_error_2"]) == ("W", "m")
+    assert units["ripple_2"] == units["efficiency"] == units["tooth_jumps"] == "1"
+    lines = repr(found).splitlines()
+    assert len(lines) == len(found)
+    width = max(map(len, found))
+    line = next(line for line in lines if line.startswith("loss"))
+    assert line == "loss".ljust(width) + "  " + "0.4".rjust(12) + " W"
+    assert next(line for line in lines if line.startswith("tooth_jumps")).endswith("  0")
+    empty = without(summed, "strand", "hinge", "peak", "tooth", "sprocket", "energy", "positions")
+    assert repr(empty.summary()) == "nothing was recorded to sum up"
+
+
+def test_key_figures_need_what_they_are_made_of(summed):
+    """Groups of arrays that a run leaves out, and too few rows."""
+    teeth, sprockets = ("tooth", "peak_tooth"), ("sprocket",)
+    names = set(summed.summary())
+    engaged = {"engagement_force_mean", "engagement_force_p95"}
+    turning = {f"{name}_{k}" for name in ("transmission_error", "ripple") for k in (2, 3)}
+    powers = {"loss", "efficiency"}
+    impacts = {"tooth_force_p99", "tooth_force_largest", "tooth_jumps"}
+    assert set(without(summed, *teeth).summary()) == names - engaged - impacts
+    assert set(without(summed, *sprockets).summary()) == names - engaged - turning - powers
+    assert set(without(summed, "energy").summary()) == names - powers
+    bodies = ("positions", "velocities")
+    alone = without(summed, "hinge", "peak_hinge", "strand", "energy", *bodies)
+    assert set(alone.groups) == {"sprockets", "teeth"}
+    assert set(alone.summary()) == engaged | impacts | turning
+    alone = without(summed, "hinge", "peak", "strand", "tooth", *bodies)
+    assert set(alone.groups) == {"sprockets", "energy"}
+    assert set(alone.summary()) == turning | powers
+    uncounted = replace(summed, jumps=None)
+    assert set(uncounted.summary()) == names - {"tooth_jumps"}
+    # Eight rows have an error, seven have none; two have a power.
+    assert turning <= set(summed.summary(end=0.75))
+    assert not turning & set(summed.summary(end=0.65))
+    assert powers <= set(summed.summary(end=0.15))
+    assert not powers & set(summed.summary(end=0.05))
+    assert not powers & set(summed.summary(start=0.35, end=0.45))
+    assert not engaged & set(summed.summary(end=0.15))
+
+
+def test_a_sprocket_at_rest_has_no_ripple_and_a_driver_at_rest_gives_no_error(summed):
+    angle = summed.array("sprocket_angle").copy()
+    angle[:, 1] = 0.3
+    found = replace(summed, arrays=summed.arrays | {"sprocket_angle": angle}).summary()
+    assert "ripple_2" not in found
+    assert {"transmission_error_2", "ripple_3"} <= set(found)
+    angle[:, 0] = 0.1
+    found = replace(summed, arrays=summed.arrays | {"sprocket_angle": angle}).summary()
+    assert not {"transmission_error_2", "transmission_error_3", "ripple_3"} & set(found)
+
+
+@pytest.mark.parametrize(("sprocket", "errors"), [(1, set()), (2, {3}), (3, {2})])
+def test_a_sprocket_whose_teeth_were_jumped_has_no_error(summed, sprocket, errors):
+    jumps = np.array([0.35, 0.45]), np.array([sprocket] * 2), np.array([1, 1])
+    found = replace(summed, jumps=jumps).summary()
+    assert found["tooth_jumps"] == 2
+    assert {name for name in found if name.startswith("transmission")} == {
+        f"transmission_error_{number}" for number in errors
+    }
+    assert {"ripple_2", "ripple_3", "loss"} <= set(found)
+    assert "efficiency" not in found
+    assert "efficiency" in replace(summed, jumps=jumps).summary(end=0.35 - 1e-9)
+
+
+def test_a_drive_whose_other_sprockets_are_free_has_no_efficiency(summed):
+    free = [replace(sprocket, motion=rc.Free()) for sprocket in THREE.sprockets[1:]]
+    system = replace(THREE, sprockets=[THREE.sprockets[0], *free])
+    found = replace(summed, scene=replace(summed.scene, system=system)).summary()
+    assert "loss" in found
+    assert "efficiency" not in found
