@@ -100,7 +100,8 @@ def _tolerances(solver: rc.Solver) -> tuple[float, float]:
 
 def balance(energy: dict[str, float]) -> float:
     """Return the residual over that which may be missing in silence; NaN is an imbalance."""
-    if energy["kinetic"] <= energy["at rest"]:
+    at_rest = energy["at rest"]
+    if energy["kinetic"] <= at_rest and energy["residual"] <= max(at_rest, energy["stored"]):
         return 0.0
     scale = max(
         energy["dissipated"], OF_EXCHANGED * energy["exchanged"], OF_STORED * energy["stored"]

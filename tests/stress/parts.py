@@ -198,7 +198,7 @@ def solver(draw: Draw) -> rc.Solver:
         others["max_order"] = draw.integer(1, 12)
     if draw.chance(0.1, "tolerances"):
         tolerance = draw.log_between(1e-8, 1e-5)
-        rtol, atol = draw.one_of(((1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (None, 1.0), (1.0, None)))
+        rtol, atol = draw.one_of(((1.0, 1.0), (1.0, 1e-3), (0.0, 1.0), (None, 1.0), (1.0, None)))
         scaled = (None if share is None else share * tolerance for share in (rtol, atol))
         return rc.Solver(method, *scaled, **others)
     if draw.chance(0.3):

@@ -135,7 +135,10 @@ def kept_or_run(jobs: Iterable[Job], limit: float, folder: Path | None, what: st
     """Return the outcomes of jobs, and all kept ones of the same sort; failures run again."""
     paths = sorted(folder.glob(f"{what}*.jsonl")) if folder else []
     paths.sort(key=lambda path: path.stem == what)  # last, as the latest
-    outcomes = [outcome for outcome in read(*paths) if not outcome.failed]
+    jobs = list(jobs)
+    asked = {(job.kind, job.name) for job in jobs}
+    # A failure that is not asked for again still counts.
+    outcomes = [o for o in read(*paths) if not o.failed or (o.kind, o.name) not in asked]
     known = {(outcome.kind, outcome.name) for outcome in outcomes}
     for outcome in outcomes_of([job for job in jobs if (job.kind, job.name) not in known], limit):
         outcomes.append(outcome)
@@ -237,6 +240,8 @@ def row_of_pytest(promise: str, paths: Iterable[str], chosen: str) -> Row:
         names = ("tests", "skipped", "failures", "errors")
         suite = {name: sum(int(each.get(name, 0)) for each in suites) for name in names}
     failed = suite["failures"] + suite["errors"]
+    # An ending that no test explains is a failure, too: no test was chosen, or pytest failed.
+    failed = max(failed, int(ended.returncode != 0))
     if failed:
         print(ended.stdout, flush=True)
     files = ", ".join(f"`{Path(path).name}`" for path in paths)

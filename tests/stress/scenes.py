@@ -70,23 +70,25 @@ def _scene(draw: Draw, described: rc.ChainDrive | rc.Mechanism) -> rc.Scene:
     """Return the scene of a drive or a mechanism with laws, solver and start."""
     if isinstance(described, rc.Mechanism):
         keywords = {"solver": parts.solver(draw)} if draw.chance(0.4) else {}
+        if draw.chance(0.15, "static"):
+            keywords["start"] = "static"
         return rc.Scene(described, **keywords)
     laws = {"force_law": parts.law(draw) if draw.chance(0.5) else rc.LankaraniNikravesh()}
-    if described.hinges == "ideal":
-        return rc.Scene(described, **laws)
+    ideal = described.hinges == "ideal"  # without contact in the hinges: no friction, no film
     if draw.chance(0.15, "other tooth law"):
         laws["tooth_law"] = parts.law(draw)
     if draw.chance(0.3):
         friction = parts.friction(draw)
-        laws = {name: replace(law, friction=friction) for name, law in laws.items()}
-    if draw.chance(0.15, "film"):
+        rubbing = {"tooth_law": laws.get("tooth_law", laws["force_law"])} if ideal else laws
+        laws |= {name: replace(law, friction=friction) for name, law in rubbing.items()}
+    if not ideal and draw.chance(0.15, "film"):
         law = laws["force_law"] if draw.chance(0.7) else parts.law(draw)
         laws["hinge_law"] = replace(law, film=parts.film(draw))
     if draw.chance(0.2, "impact velocity"):
         laws["min_impact_velocity"] = draw.log_between(1e-7, 1e-1)
     start = "static" if draw.chance(0.2, "static") else "generated"
     scene = rc.Scene(described, solver=parts.solver(draw), start=start, **laws)
-    if start == "generated" and draw.chance(0.04, "own start"):
+    if not ideal and start == "generated" and draw.chance(0.04, "own start"):
         scene = _moved(draw, scene)
     return scene
 

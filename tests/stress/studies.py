@@ -56,11 +56,11 @@ def _of_material(**fields: float) -> rc.Scene:
 
 
 def _turning(speed: float) -> rc.Scene:
-    """Return the published drive at a speed [rpm], which is reached in two turns."""
+    """Return the published drive at a speed [rpm], which is reached in a turn or in 50 ms."""
     scene = _published(100.0)
     driver, driven = scene.drive.sprockets
     final = rc.rpm(speed)
-    ramp = rc.PrescribedSpeed(((0.0, 0.0), (4.0 * math.pi / final, final)))
+    ramp = rc.PrescribedSpeed(((0.0, 0.0), (min(4.0 * math.pi / final, 0.05), final)))
     drive = replace(scene.drive, sprockets=[replace(driver, motion=ramp), driven])
     return replace(scene, system=drive)
 
@@ -141,7 +141,7 @@ STUDIES: tuple[Study, ...] = (
         "speed",
         "rpm",
         _turning,
-        lambda rpm: min(0.2, 180.0 / rpm),  # three turns, a fifth of a second at most
+        lambda rpm: min(0.2, 180.0 / rpm),  # two turns, a fifth of a second at most
         (1.0, 10.0, 100.0, 1e3, 3e3, 1e4, 2e4),
     ),
     ("links", "", _links, 0.005, (60.0, 200.0, 1000.0, 3000.0, 10000.0)),

@@ -23,7 +23,7 @@ class Solver(Description):
         smooth. "auto": the cheaper of the two, switched during the run.
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
-        them is given, they replace `accuracy`; the other is then 1e-5. One may be 0.
+        them is given, they replace `accuracy`; the other is then 1e-5. `rtol` may be 0.
     max_step : float
         Largest step [s].
     max_order : int

@@ -73,8 +73,8 @@ pub(crate) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
     )?;
     let rtol = read.optional_number("rtol", "relative units")?;
     let atol = read.optional_number("atol", "the unit of each component")?;
-    if rtol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 && atol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 {
-        let expected = "rtol and atol must not both be zero; None for both lets accuracy rule";
+    if atol == Some(0.0) {
+        let expected = "must be positive: coordinates and speeds pass through zero, where rtol allows no error";
         return Err(Error::invalid("Solver.atol", 0.0, expected).into());
     }
     let given = rtol.is_some() || atol.is_some();

@@ -107,10 +107,10 @@ impl Balance {
     }
 
     /// Return the balance if its largest residual exceeds the permitted one. A recording whose kinetic energy never exceeds `at_rest` \[J\]
-    /// has none, because all of its energy exchange is error.
+    /// has none, because all of its energy exchange is error. A residual above all that is stored is no error of rest.
     pub(crate) fn open(&self, at_rest: f64) -> Option<OpenBalance> {
         let [[_, kinetic], ..] = self.exchanged;
-        if kinetic <= at_rest {
+        if kinetic <= at_rest && self.residual.abs() <= at_rest.max(self.stored) {
             return None;
         }
         let exchanged = self.exchanged();
@@ -174,6 +174,10 @@ mod tests {
         let resting = balance(1.0, 0.1, 0.1);
         assert!(resting.open(0.9).is_some());
         assert_eq!(resting.open(1.0), None);
+        // 101 J are stored: more than that cannot be missing at rest.
+        assert_eq!(balance(1.0, 100.0, 100.0).open(1.0), None);
+        assert!(balance(1.0, 102.0, 102.0).open(1.0).is_some());
+        assert_eq!(balance(1.0, 102.0, 102.0).open(102.0), None);
     }
 
     #[test]
