@@ -13,6 +13,7 @@ use rustchain::drive::{Bearing, Chain, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::integrator::{Adams, OdeSystem, Step};
 use rustchain::math::simd::InstructionSet;
+use rustchain::system::System;
 
 /// Drives of all kinds, by number.
 const DRIVES: usize = 13 + VARIED;
@@ -329,6 +330,41 @@ fn same_bits(least: u64, make: impl Fn(&mut Adams, &mut Dynamics) -> Step) {
         refreshes = first.candidate_refreshes();
     }
     assert!(steps > least && refreshes >= 2, "{steps} {refreshes}");
+}
+
+#[test]
+fn a_checkpoint_of_one_width_continues_to_the_same_bits_on_another() {
+    let drive = Drive {
+        tensioner: Some(tensioner(25.0, 1e-3)),
+        ..paper_drive()
+    };
+    let scene = Scene::laid(&drive, &ForceLaws::default());
+    let [wide, narrow, ..] = fused()[..] else {
+        return;
+    };
+    let step = |dynamics: &mut Dynamics, adams: &mut Adams| {
+        dynamics.forget_ended_contacts();
+        let step = adams.step_newton(dynamics).unwrap();
+        dynamics.record_contact_events(adams, &step);
+    };
+    let (mut dynamics, mut adams) = scene.ready(control(1e-5));
+    dynamics.use_instructions(wide);
+    adams.use_instructions(wide);
+    while adams.time() < 0.005 {
+        step(&mut dynamics, &mut adams);
+    }
+    assert!(dynamics.memory.counts().onsets > 10);
+    let (mut fresh, _) = scene.ready(control(1e-5));
+    fresh.use_instructions(narrow);
+    let mut restored = fresh.restored(&dynamics.checkpoint(), &adams).unwrap();
+    let mut continued = adams.clone();
+    continued.use_instructions(narrow);
+    assert_eq!(restored.instructions().name(), narrow.name());
+    for number in 0..300 {
+        step(&mut dynamics, &mut adams);
+        step(&mut restored, &mut continued);
+        assert_eq!(bits(adams.y()), bits(continued.y()), "step {number}");
+    }
 }
 
 /// Both are vector forms of one scalar one; between them lie twice the roundings.
