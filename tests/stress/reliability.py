@@ -152,7 +152,9 @@ def rows_of_scenes(what: str, test: str, outcomes: Sequence[Outcome]) -> list[Ro
     made = []
     for promise, classes, figures in OF_SCENES:
         ran = [o for o in outcomes if o.worst or o.outcome in classes]
-        tried = ran if figures or promise.startswith("every") else list(outcomes)
+        tried = ran if promise.startswith("every") else list(outcomes)
+        if figures:  # scenes that have such parts
+            tried = [o for o in ran if o.outcome in classes or any(f in o.worst for f in figures)]
         if classes == ("other bits",):
             tried = [o for o in ran if "restart" in o.features]
         if not tried:
