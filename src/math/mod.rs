@@ -7,6 +7,8 @@ mod real;
 mod signal;
 pub mod simd;
 pub(crate) mod sparse_kkt;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub use piecewise::{Spline, Table};
 pub(crate) use real::{Real, Truth};

@@ -20,4 +20,4 @@ pub use tooth_jumps::ToothJump;
 pub(crate) use tooth_jumps::{Seated, ToothJumps};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

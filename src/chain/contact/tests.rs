@@ -1,4 +1,4 @@
-//! A drive and motions of its bodies, for the unit tests of this folder.
+//! A drive and motions of its bodies, for unit tests.
 
 use crate::chain::model::{ForceLaws, Model};
 use crate::drive::{
@@ -11,7 +11,7 @@ use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::layout::{InitialConfiguration, closing_center_distance};
 
 /// Return an ANSI 40 chain of 40 links round a driving sprocket of 17 teeth and a free one of 21 teeth with eccentric teeth.
-pub(super) fn drive() -> Drive {
+pub(crate) fn drive() -> Drive {
     let link = Link {
         mass: 7e-3,
         inertia: 1.5e-7,
@@ -162,16 +162,4 @@ pub(super) fn inside(adams: &Adams, t: f64, dimension: usize) -> Vec<f64> {
         adams.interpolate(t, &mut y);
     }
     y
-}
-
-/// Return pseudo-random numbers from -1 to 1.
-pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        // High bits of a linear congruential generator (Knuth).
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }

@@ -158,10 +158,11 @@ fn in_gap(
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{compiled, drive, random};
+    use super::super::tests::{compiled, drive};
     use super::*;
     use crate::chain::model::Model;
     use crate::geometry::unit;
+    use crate::math::testing::random;
 
     const RADIUS: f64 = 3.97e-3;
 

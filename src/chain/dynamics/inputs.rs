@@ -127,11 +127,10 @@ impl Dynamics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chain::contact::tests::drive;
     use crate::chain::model::ForceLaws;
     use crate::chain::motion::Motion;
-    use crate::drive::{
-        Chain, ChainEnd, ClearanceHinge, Drive, HingeKind, Link, Material, Variation,
-    };
+    use crate::drive::{Chain, ChainEnd, Drive};
     use crate::geometry::Vec2;
     use crate::integrator::{OdeSystem, StepControl};
     use crate::layout::InitialConfiguration;
@@ -140,46 +139,24 @@ mod tests {
 
     /// Six links between two anchored ends, one of which has a velocity table of `rows`.
     fn moved_strand(rows: &[(f64, f64)]) -> Drive {
-        let link = Link {
-            mass: 7e-3,
-            inertia: 1.5e-7,
-        };
         let x = Table::new("velocity", "m/s", rows).unwrap();
         let anchor = |position, x: Signal| ChainEnd::Anchor {
             position,
             velocity: [x, 0.0.into()],
             links: None,
         };
+        let closed = drive();
         Drive {
             chain: Chain {
-                pitch: 0.0127,
                 links: 6,
-                inner: link,
-                outer: link,
-                hinge: ClearanceHinge {
-                    pin_radius: 2.22e-3,
-                    bore_radius: 2.245e-3,
-                    length: 0.011,
-                },
-                bushing_radius: 3.97e-3,
-                tooth_contact_length: 0.007,
-                material: Material::default(),
-                offset: None,
-                strands: 1,
-                variation: Variation::default(),
-                roller: None,
-                link_stiffness: None,
-                carried: Vec::new(),
+                ..closed.chain
             },
             sprockets: Vec::new(),
-            tensioner: None,
-            gravity: Vec2::new(0.0, -9.81),
-            guides: Vec::new(),
             ends: Some([
                 anchor(Vec2::zeros(), x.into()),
                 anchor(Vec2::new(0.06, 0.0), 0.0.into()),
             ]),
-            hinge_kind: HingeKind::Clearance,
+            ..closed
         }
     }
 

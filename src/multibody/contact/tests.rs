@@ -116,18 +116,6 @@ pub(super) fn power(loads: &Loads, frames: &[Frame]) -> f64 {
     loads.on.iter().zip(frames).map(of_body).sum()
 }
 
-/// Return pseudo-random numbers from -1 to 1.
-pub(super) fn random(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        // Numbers of a linear congruential generator (Knuth), high bits.
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 /// Return the distance of a point from a polyline \[m\].
 pub(super) fn distance_to(points: &[(f64, f64)], point: Vec2) -> f64 {
     let ends = points.windows(2).map(|pair| {

@@ -8,22 +8,15 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+from checks.hand_made import THREE, made
 from rustchain._rustchain import tooth_radii
 from rustchain.analysis.circuit import Circuit
 from rustchain.analysis.loads import nearest_contact
 
-# Teeth 17, 25 and, on the outside, 13; then a flat rail, an arched one and a smooth idler.
+# With a flat rail, an arched one and a smooth idler.
 STEEL, POLYMER = rc.Material(2.07e11, 0.3, 0.2), rc.Material(3e9, 0.4, 0.2)
-DRIVE = rc.chain_drive(
-    "ANSI 40",
-    [
-        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(12.566)),
-        rc.Sprocket(25, (0.35, -0.05), rc.AppliedTorque(-2.0)),
-        rc.Sprocket(13, (0.18, -0.005), side="outside"),
-    ],
-)
 DRIVE = replace(
-    DRIVE,
+    THREE,
     guides=[
         rc.GuideRail((0.16, -0.2), (0.0, 1.0), length=0.1),
         rc.GuideRail((0.16, -0.25), (0.0, 1.0), length=0.06, radius=0.2, material=POLYMER),
@@ -38,22 +31,6 @@ PITCH = 0.0127  # [m]
 def run():
     record = ("hinges", "teeth", "sprockets", "bodies")
     return rc.Simulation(DRIVE).run(1e-3, record=record, progress=False)
-
-
-def made(run, pitches, time, **arrays):
-    """Return a result whose chain has moved so many pitches; what is not given is zero.
-
-    A pitch is 2 pi / 17 rad of the first sprocket, from the angle that puts hinge 1 on a seat.
-    """
-    rows = len(pitches)
-    turned = run.drive.check().phase[0] + 2 * math.pi / 17 * np.array(pitches)
-    zeros = {
-        name: np.zeros((rows, *array.shape[1:]), array.dtype) for name, array in run.arrays.items()
-    }
-    angle = np.stack([turned, 17 / 25 * turned, -17 / 13 * turned], axis=-1)
-    center = np.tile(run.array("sprocket_center")[:1], (rows, 1, 1))
-    given = {"time": np.array(time), "sprocket_angle": angle, "sprocket_center": center}
-    return replace(run, arrays=zeros | given | arrays)
 
 
 def table(rows, entries, dtype=float):

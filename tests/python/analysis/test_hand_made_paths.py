@@ -9,19 +9,11 @@ from scipy import linalg, signal
 from scipy.integrate import trapezoid
 
 import rustchain as rc
+from checks.hand_made import SPEED, THREE, made
 from rustchain.analysis.circuit import Belt, Circuit
 from rustchain.analysis.strands import natural_frequencies
 
-SPEED = rc.PrescribedSpeed(12.566)
-# Teeth 17, 25 and, on the outside, 13; in another order; and two in a line that is inclined.
-THREE = rc.chain_drive(
-    "ANSI 40",
-    [
-        rc.Sprocket(17, (0.0, 0.0), SPEED),
-        rc.Sprocket(25, (0.35, -0.05), rc.AppliedTorque(-2.0)),
-        rc.Sprocket(13, (0.18, -0.005), side="outside"),
-    ],
-)
+# In another order; and two in a line that is inclined.
 OUTSIDE_FIRST = rc.chain_drive(
     "ANSI 40",
     [
@@ -45,19 +37,6 @@ def pitch_radius(teeth):
 def run():
     record = ("hinges", "teeth", "sprockets", "bodies", "energy")
     return rc.Simulation(THREE).run(1e-3, record=record, progress=False)
-
-
-def made(run, pitches, time, **arrays):
-    """Return a result whose chain has moved so many pitches; what is not given is zero."""
-    rows = len(pitches)
-    turned = run.drive.check().phase[0] + 2 * math.pi / 17 * np.array(pitches)
-    zeros = {
-        name: np.zeros((rows, *array.shape[1:]), array.dtype) for name, array in run.arrays.items()
-    }
-    angle = np.stack([turned, 17 / 25 * turned, -17 / 13 * turned], axis=-1)
-    center = np.tile(run.array("sprocket_center")[:1], (rows, 1, 1))
-    given = {"time": np.array(time), "sprocket_angle": angle, "sprocket_center": center}
-    return replace(run, arrays=zeros | given | arrays)
 
 
 def direction(angle):

@@ -1,8 +1,9 @@
 //! Tests of the runs of candidates.
 
-use super::super::tests::{compiled, drive, random, with_tensioner};
+use super::super::tests::{compiled, drive, with_tensioner};
 use super::*;
 use crate::geometry::unit;
+use crate::math::testing::random;
 
 fn runs_of(near: &[usize], n: usize) -> Vec<(usize, usize, usize)> {
     let mut runs = Vec::new();

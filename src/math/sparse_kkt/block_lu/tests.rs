@@ -3,21 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::*;
-
-/// Return numbers between -1 and 1, the same in every run.
-fn numbers() -> impl FnMut() -> f64 {
-    let mut state = 7u64;
-    move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
+use crate::math::testing::random;
 
 #[test]
 fn inverses_of_blocks_are_those_of_dense_matrices() {
-    let mut next = numbers();
+    let mut next = random(7);
     for size in 1..=3 {
         for _ in 0..20 {
             let mut block = ZERO;
@@ -72,7 +62,7 @@ fn solutions_of_a_closed_chain_are_those_of_dense_factors_and_vanishing_blocks_a
     }
     let first: Vec<usize> = (0..n).map(|i| sizes[..i].iter().sum()).collect();
     let total: usize = sizes.iter().sum();
-    let mut next = numbers();
+    let mut next = random(7);
     // The second matrix has fewer blocks than the first, whose factors are still in place.
     for coupled in [5, 2] {
         let mut dense = DMatrix::zeros(total, total);

@@ -2,9 +2,9 @@
 
 use super::super::tests::{
     BALL, BLOCK, Course, accelerations, at_rest, contact, floor, frames, model, only, outline,
-    random,
 };
 use super::*;
+use crate::math::testing::random;
 use crate::multibody::description::profile::Profile;
 use crate::multibody::forces::loads::Loads;
 

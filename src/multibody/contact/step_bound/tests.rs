@@ -3,10 +3,11 @@
 use super::super::contact_states::ContactStates;
 use super::super::tests::{
     BALL, BLOCK, Course, accelerations, at_rest, contact, distance_to, floor, frames, mechanism,
-    model, only, outline, random,
+    model, only, outline,
 };
 use super::*;
 use crate::geometry::Contact;
+use crate::math::testing::random;
 use crate::math::{Signal, Table};
 use crate::multibody::MechanismDynamics;
 use crate::multibody::description::body::Marker;

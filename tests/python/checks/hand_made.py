@@ -1,0 +1,35 @@
+"""Histories of a drive made by hand, and the drive."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+import rustchain as rc
+
+SPEED = rc.PrescribedSpeed(12.566)
+# Teeth 17, 25 and, on the outside, 13.
+THREE = rc.chain_drive(
+    "ANSI 40",
+    [
+        rc.Sprocket(17, (0.0, 0.0), SPEED),
+        rc.Sprocket(25, (0.35, -0.05), rc.AppliedTorque(-2.0)),
+        rc.Sprocket(13, (0.18, -0.005), side="outside"),
+    ],
+)
+
+
+def made(run, pitches, time, **arrays):
+    """Return a result whose chain has moved so many pitches; what is not given is zero.
+
+    A pitch is 2 pi / 17 rad of the first sprocket, from the angle that puts hinge 1 on a seat.
+    """
+    rows = len(pitches)
+    turned = run.drive.check().phase[0] + 2 * math.pi / 17 * np.array(pitches)
+    zeros = {
+        name: np.zeros((rows, *array.shape[1:]), array.dtype) for name, array in run.arrays.items()
+    }
+    angle = np.stack([turned, 17 / 25 * turned, -17 / 13 * turned], axis=-1)
+    center = np.tile(run.array("sprocket_center")[:1], (rows, 1, 1))
+    given = {"time": np.array(time), "sprocket_angle": angle, "sprocket_center": center}
+    return replace(run, arrays=zeros | given | arrays)
