@@ -37,20 +37,25 @@ impl Conformal {
 
 impl ElasticLaw for Conformal {
     #[inline(always)]
-    fn elastic<R: Real>([stiffness, radius_difference]: [R; 2], penetration: R) -> R {
+    fn elastic<R: Real>(self, [stiffness, radius_difference]: [R; 2], penetration: R) -> R {
         let share = penetration / (radius_difference + penetration);
         stiffness * penetration * share.sqrt()
     }
 
     #[inline(always)]
-    fn slope<R: Real>([stiffness, radius_difference]: [R; 2], penetration: R, _force: R) -> R {
+    fn slope<R: Real>(
+        self,
+        [stiffness, radius_difference]: [R; 2],
+        penetration: R,
+        _force: R,
+    ) -> R {
         let share = penetration / (radius_difference + penetration);
         // d/dδ of δ sqrt(s), s = δ/(ΔR + δ), is sqrt(s) (1.5 - 0.5 s).
         let rise = share.negate_mul_add(share.constant(0.5), share.constant(1.5));
         stiffness * share.sqrt() * rise
     }
 
-    fn stored([stiffness, dr]: &[f64; 2], penetration: f64, _force: f64) -> f64 {
+    fn stored(self, [stiffness, dr]: &[f64; 2], penetration: f64, _force: f64) -> f64 {
         stiffness * dr * dr * integral(penetration / dr)
     }
 }
@@ -90,21 +95,21 @@ mod tests {
         for d in [1e-9, 1e-7, 1e-5, 1e-4] {
             let printed =
                 0.5 * std::f64::consts::PI * d * modulus * length * f64::sqrt(d / (2.0 * (dr + d)));
-            assert!((Conformal::force(&pair(), d) / printed - 1.0).abs() < 1e-12);
+            assert!((Conformal.force(&pair(), d) / printed - 1.0).abs() < 1e-12);
         }
     }
 
     #[test]
     fn vectors_have_the_bits_of_the_formula() {
         let depths = [0.0, 5e-324, 1e-310, 1e-12, 2.5e-6, 1e-4, 1e200];
-        for_each_force::<Conformal>(&pair(), &depths, |set, d, force| {
+        for_each_force(Conformal, &pair(), &depths, |set, d, force| {
             let [stiffness, dr] = pair();
             let expected = stiffness * d * (d / (dr + d)).sqrt();
             assert_eq!(force.to_bits(), expected.to_bits(), "{set} at {d:e}");
         });
         // The ratio of two infinities is NaN.
         let beyond = [f64::INFINITY, f64::NAN];
-        for_each_force::<Conformal>(&pair(), &beyond, |_, _, force| {
+        for_each_force(Conformal, &pair(), &beyond, |_, _, force| {
             assert!(force.is_nan());
         });
     }
@@ -116,8 +121,9 @@ mod tests {
             let h = 1e-4 * d;
             let difference =
                 |of: fn(&[f64; 2], f64) -> f64| (of(&pair, d + h) - of(&pair, d - h)) / (2.0 * h);
-            let slope = difference(Conformal::force) / Conformal::stiffness(&pair, d);
-            let power = difference(Conformal::energy) / Conformal::force(&pair, d);
+            let slope =
+                difference(|pair, d| Conformal.force(pair, d)) / Conformal.stiffness(&pair, d);
+            let power = difference(|pair, d| Conformal.energy(pair, d)) / Conformal.force(&pair, d);
             assert!((slope - 1.0).abs() < 1e-7, "{d}");
             assert!((power - 1.0).abs() < 1e-7, "{d}");
         }

@@ -1,10 +1,11 @@
 //! Elastic laws selected by name, and their constants for every pair of surfaces.
 //!
-//! The kernels are compiled once for each form, so that a law of an existing form requires only its constants.
+//! A law of an existing form requires only its constants. Each kernel contains all forms and branches once per vector.
 
 use serde::{Deserialize, Serialize};
 
 use super::{ElasticLaw, Power, SurfacePair, conformal, enhanced_cylinder, hertz, line_contact};
+use crate::math::Real;
 
 /// Definition of an elastic law selected by name.
 pub(crate) struct Definition {
@@ -18,7 +19,7 @@ pub(crate) struct Definition {
 
 /// Define all laws, form by form.
 macro_rules! elastic_laws {
-    ($dollar:tt $($form:ident { $($(#[$doc:meta])* $law:ident = $definition:expr;)+ })+) => {
+    ($($form:ident { $($(#[$doc:meta])* $law:ident = $definition:expr;)+ })+) => {
         /// Elastic law selected by the user.
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
         pub enum Elastic {
@@ -47,30 +48,51 @@ macro_rules! elastic_laws {
             }
         }
 
-        /// Forms for which the kernels are compiled.
+        /// Form of an elastic law.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[allow(missing_docs)] // the names are descriptive
         pub(crate) enum Form {
             $($form,)+
         }
 
-        /// Evaluate a generic function for the law of a table: `with_law!(table, Law, pairs => expression)`.
-        macro_rules! with_law {
-            ($dollar table:expr, $dollar law:ident, $dollar pairs:ident => $dollar body:expr) => {{
-                let (form, $dollar pairs) = $dollar table.form_and_pairs();
-                match form {
-                    $($crate::force_law::Form::$form => {
-                        type $dollar law = $crate::force_law::$form;
-                        $dollar body
-                    })+
+        impl ElasticLaw for Form {
+            #[inline(always)]
+            fn elastic<R: Real>(self, pair: [R; 2], penetration: R) -> R {
+                match self {
+                    $(Self::$form => super::$form.elastic(pair, penetration),)+
                 }
-            }};
+            }
+
+            #[inline(always)]
+            fn slope<R: Real>(self, pair: [R; 2], penetration: R, force: R) -> R {
+                match self {
+                    $(Self::$form => super::$form.slope(pair, penetration, force),)+
+                }
+            }
+
+            fn stored(self, pair: &[f64; 2], penetration: f64, force: f64) -> f64 {
+                match self {
+                    $(Self::$form => super::$form.stored(pair, penetration, force),)+
+                }
+            }
+
+            fn range_end(self, pair: &[f64; 2]) -> f64 {
+                match self {
+                    $(Self::$form => super::$form.range_end(pair),)+
+                }
+            }
+
+            fn force(self, pair: &[f64; 2], penetration: f64) -> f64 {
+                match self {
+                    $(Self::$form => super::$form.force(pair, penetration),)+
+                }
+            }
         }
     };
 }
 
-// A new law takes a file and a line here. A new form takes a name with braces around its laws, and kernels of its own.
-elastic_laws! { $
+// A new law takes a file and a line here. A new form takes a name with braces around its laws.
+elastic_laws! {
     Hertz {
         /// Hertz's law for spheres, as used by Lankarani and Nikravesh.
         Hertz = hertz::HERTZ;
@@ -96,7 +118,6 @@ elastic_laws! { $
         LiuConformal = conformal::LIU_CONFORMAL;
     }
 }
-pub(crate) use with_law;
 
 impl Elastic {
     /// Return the name used in messages and descriptions.
@@ -121,7 +142,7 @@ impl Elastic {
     }
 }
 
-/// Constants of all pairs of one group: the form is matched once, outside the loop over pairs.
+/// Form and constants of all pairs of one group.
 #[derive(Debug, Clone)]
 pub struct PairTable {
     form: Form,
@@ -138,8 +159,9 @@ impl PairTable {
         }
     }
 
-    pub(crate) fn form_and_pairs(&self) -> (Form, &[[f64; 2]]) {
-        (self.form, &self.pairs)
+    /// Return the form of the law.
+    pub(crate) fn form(&self) -> Form {
+        self.form
     }
 
     /// Return the constants of every pair.
@@ -152,7 +174,7 @@ impl PairTable {
     pub fn pair(&self, i: usize) -> ElasticPair {
         ElasticPair {
             form: self.form,
-            constants: [self.pairs[i]],
+            constants: self.pairs[i],
         }
     }
 }
@@ -161,7 +183,7 @@ impl PairTable {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElasticPair {
     form: Form,
-    constants: [[f64; 2]; 1],
+    constants: [f64; 2],
 }
 
 impl ElasticPair {
@@ -170,7 +192,7 @@ impl ElasticPair {
     pub fn prepare(law: Elastic, surfaces: &SurfacePair) -> Self {
         Self {
             form: law.form(),
-            constants: [law.prepare(surfaces)],
+            constants: law.prepare(surfaces),
         }
     }
 
@@ -179,36 +201,32 @@ impl ElasticPair {
     pub fn power(stiffness: f64, exponent: f64) -> Self {
         Self {
             form: Form::Power,
-            constants: [Power::constants(stiffness, exponent)],
+            constants: Power::constants(stiffness, exponent),
         }
-    }
-
-    fn form_and_pairs(&self) -> (Form, &[[f64; 2]]) {
-        (self.form, &self.constants)
     }
 
     /// Return the elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0; NaN is kept.
     #[must_use]
     pub fn force(&self, penetration: f64) -> f64 {
-        with_law!(self, Law, pairs => Law::force(&pairs[0], penetration))
+        self.form.force(&self.constants, penetration)
     }
 
     /// Return the slope df/dδ \[N/m\]; zero for δ <= 0.
     #[must_use]
     pub fn stiffness(&self, penetration: f64) -> f64 {
-        with_law!(self, Law, pairs => Law::stiffness(&pairs[0], penetration))
+        self.form.stiffness(&self.constants, penetration)
     }
 
     /// Return the elastic energy \[J\] at penetration δ \[m\], the integral of the force.
     #[must_use]
     pub fn energy(&self, penetration: f64) -> f64 {
-        with_law!(self, Law, pairs => Law::energy(&pairs[0], penetration))
+        self.form.energy(&self.constants, penetration)
     }
 
     /// Return the penetration \[m\] at which the law's range ends.
     #[must_use]
     pub fn range_end(&self) -> f64 {
-        with_law!(self, Law, pairs => Law::range_end(&pairs[0]))
+        self.form.range_end(&self.constants)
     }
 }
 

@@ -108,7 +108,7 @@ mod tests {
             let penetration = (50.0 / stiffness).powf(1.0 / exponent);
             let pair = law.prepare(&surfaces);
             assert!((penetration * 1e6 - micrometres).abs() < 5e-5, "{law:?}");
-            assert!((Power::force(&pair, penetration) - 50.0).abs() < 1e-9);
+            assert!((Power.force(&pair, penetration) - 50.0).abs() < 1e-9);
         }
     }
 

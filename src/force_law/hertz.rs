@@ -24,16 +24,16 @@ impl Hertz {
 
 impl ElasticLaw for Hertz {
     #[inline(always)]
-    fn elastic<R: Real>([stiffness, _]: [R; 2], penetration: R) -> R {
+    fn elastic<R: Real>(self, [stiffness, _]: [R; 2], penetration: R) -> R {
         stiffness * penetration * penetration.sqrt()
     }
 
     #[inline(always)]
-    fn slope<R: Real>([stiffness, _]: [R; 2], penetration: R, _force: R) -> R {
+    fn slope<R: Real>(self, [stiffness, _]: [R; 2], penetration: R, _force: R) -> R {
         stiffness * penetration.constant(1.5) * penetration.sqrt()
     }
 
-    fn stored(_: &[f64; 2], penetration: f64, force: f64) -> f64 {
+    fn stored(self, _: &[f64; 2], penetration: f64, force: f64) -> f64 {
         0.4 * force * penetration
     }
 }
@@ -57,11 +57,11 @@ mod tests {
             1e200,
             f64::INFINITY,
         ];
-        for_each_force::<Hertz>(&PAIR, &depths, |set, d, force| {
+        for_each_force(Hertz, &PAIR, &depths, |set, d, force| {
             let printed = PAIR[0] * d * d.sqrt();
             assert_eq!(force.to_bits(), printed.to_bits(), "{set} at {d:e}");
         });
-        for_each_force::<Hertz>(&PAIR, &[f64::NAN], |_, _, force| {
+        for_each_force(Hertz, &PAIR, &[f64::NAN], |_, _, force| {
             assert!(force.is_nan());
         });
     }
@@ -76,13 +76,13 @@ mod tests {
             modulus,
         ));
         assert!((pair[0] * 10f64.powf(-4.5) - 3.844e5).abs() < 50.0);
-        assert!((Hertz::force(&pair, 2.5e-6) - 48.05).abs() < 0.05);
+        assert!((Hertz.force(&pair, 2.5e-6) - 48.05).abs() < 0.05);
     }
 
     #[test]
     fn energy_is_the_integral_of_the_force() {
         let (d, h) = (2e-6, 1e-9);
-        let slope = (Hertz::energy(&PAIR, d + h) - Hertz::energy(&PAIR, d - h)) / (2.0 * h);
-        assert!((slope / Hertz::force(&PAIR, d) - 1.0).abs() < 1e-6);
+        let slope = (Hertz.energy(&PAIR, d + h) - Hertz.energy(&PAIR, d - h)) / (2.0 * h);
+        assert!((slope / Hertz.force(&PAIR, d) - 1.0).abs() < 1e-6);
     }
 }

@@ -19,15 +19,20 @@ const MOST_STEPS: usize = 120;
 /// Return the contacts' own penetrations \[m\] at the totals `depth`, with the springs' compliances \[m/N\]. Totals that are not positive
 /// are returned unchanged.
 #[inline(always)]
-pub(crate) fn depth_in_series<R: Real, L: ElasticLaw>(pair: [R; 2], compliance: R, depth: R) -> R {
+pub(crate) fn depth_in_series<R: Real>(
+    law: impl ElasticLaw,
+    pair: [R; 2],
+    compliance: R,
+    depth: R,
+) -> R {
     let (one, half) = (depth.constant(1.0), depth.constant(0.5));
     let zero = depth.constant(0.0);
     let rounding = depth * depth.constant(ROUNDING);
     let (mut x, mut low, mut high) = (depth, zero, depth);
     let mut moves = depth.greater(zero);
     for round in 0..MOST_STEPS {
-        let force = L::elastic(pair, x);
-        let slope = L::slope(pair, x, force);
+        let force = law.elastic(pair, x);
+        let slope = law.slope(pair, x, force);
         let excess = compliance.mul_add(force, x - depth);
         let above = excess.greater(zero);
         high = above.select(x, high);
@@ -55,7 +60,7 @@ mod tests {
     use pulp::{Simd, WithSimd};
 
     use super::*;
-    use crate::force_law::{Elastic, PairTable, SurfacePair, with_law};
+    use crate::force_law::{Elastic, PairTable, SurfacePair};
     use crate::math::simd::{InstructionSet, Lanes};
 
     const COMPLIANCES: [f64; 4] = [1e-11, 3e-9, 1e-7, 1e-5];
@@ -74,11 +79,11 @@ mod tests {
     }
 
     /// The same by bisection.
-    fn halved<L: ElasticLaw>(pair: &[f64; 2], compliance: f64, depth: f64) -> f64 {
+    fn halved(law: impl ElasticLaw, pair: &[f64; 2], compliance: f64, depth: f64) -> f64 {
         let (mut low, mut high) = (0.0, depth);
         for _ in 0..200 {
             let middle = 0.5 * (low + high);
-            if middle + compliance * L::force(pair, middle) < depth {
+            if middle + compliance * law.force(pair, middle) < depth {
                 low = middle;
             } else {
                 high = middle;
@@ -90,29 +95,27 @@ mod tests {
     #[test]
     fn depths_are_those_found_by_halving_for_every_law() {
         for table in laws() {
-            with_law!(&table, Law, pairs => {
-                for compliance in COMPLIANCES {
-                    for depth in depths() {
-                        let found = depth_in_series::<f64, Law>(pairs[0], compliance, depth);
-                        let expected = halved::<Law>(&pairs[0], compliance, depth);
-                        assert!(
-                            (found - expected).abs() <= 1e-14 * depth,
-                            "{table:?}, {compliance:e} m/N, {depth:e} m: {found:e} for {expected:e}"
-                        );
-                    }
+            let (law, pair) = (table.form(), table.pairs()[0]);
+            for compliance in COMPLIANCES {
+                for depth in depths() {
+                    let found = depth_in_series(law, pair, compliance, depth);
+                    let expected = halved(law, &pair, compliance, depth);
+                    assert!(
+                        (found - expected).abs() <= 1e-14 * depth,
+                        "{table:?}, {compliance:e} m/N, {depth:e} m: {found:e} for {expected:e}"
+                    );
                 }
-            });
+            }
         }
     }
 
     #[test]
     fn nothing_gives_way_by_nothing() {
         for table in laws() {
-            with_law!(&table, Law, pairs => {
-                assert_eq!(depth_in_series::<f64, Law>(pairs[0], 1e-8, 0.0), 0.0);
-                assert_eq!(depth_in_series::<f64, Law>(pairs[0], 1e-8, -1e-6), -1e-6);
-                assert!(depth_in_series::<f64, Law>(pairs[0], 1e-8, f64::NAN).is_nan());
-            });
+            let (law, pair) = (table.form(), table.pairs()[0]);
+            assert_eq!(depth_in_series(law, pair, 1e-8, 0.0), 0.0);
+            assert_eq!(depth_in_series(law, pair, 1e-8, -1e-6), -1e-6);
+            assert!(depth_in_series(law, pair, 1e-8, f64::NAN).is_nan());
         }
     }
 
@@ -129,13 +132,11 @@ mod tests {
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
             let splat = |value| Lanes::splat(simd, value);
-            with_law!(self.table, Law, pairs => {
-                let constants = pairs[0].map(splat);
-                for &depth in self.depths {
-                    let x = depth_in_series::<Lanes<S>, Law>(constants, splat(self.compliance), splat(depth));
-                    self.found.push(x.greatest());
-                }
-            });
+            let (law, constants) = (self.table.form(), self.table.pairs()[0].map(splat));
+            for &depth in self.depths {
+                let x = depth_in_series(law, constants, splat(self.compliance), splat(depth));
+                self.found.push(x.greatest());
+            }
         }
     }
 
@@ -152,12 +153,14 @@ mod tests {
                         depths: &depths,
                         found: &mut found,
                     });
-                    with_law!(&table, Law, pairs => {
-                        for (&depth, found) in depths.iter().zip(found) {
-                            let expected = depth_in_series::<f64, Law>(pairs[0], compliance, depth);
-                            assert!((found - expected).abs() <= 1e-14 * depth, "{table:?} {depth:e}");
-                        }
-                    });
+                    let (law, pair) = (table.form(), table.pairs()[0]);
+                    for (&depth, found) in depths.iter().zip(found) {
+                        let expected = depth_in_series(law, pair, compliance, depth);
+                        assert!(
+                            (found - expected).abs() <= 1e-14 * depth,
+                            "{table:?} {depth:e}"
+                        );
+                    }
                 }
             }
         }
@@ -168,19 +171,20 @@ mod tests {
     }
 
     /// A cubic force, f = 1e18 δ³, whose evaluations are counted.
+    #[derive(Clone, Copy)]
     struct Counted;
 
     impl ElasticLaw for Counted {
-        fn elastic<R: Real>(_: [R; 2], penetration: R) -> R {
+        fn elastic<R: Real>(self, _: [R; 2], penetration: R) -> R {
             EVALUATIONS.set(EVALUATIONS.get() + 1);
             penetration.constant(1e18) * penetration * penetration * penetration
         }
 
-        fn slope<R: Real>(_: [R; 2], penetration: R, _: R) -> R {
+        fn slope<R: Real>(self, _: [R; 2], penetration: R, _: R) -> R {
             penetration.constant(3e18) * penetration * penetration
         }
 
-        fn stored(_: &[f64; 2], _: f64, _: f64) -> f64 {
+        fn stored(self, _: &[f64; 2], _: f64, _: f64) -> f64 {
             0.0
         }
     }
@@ -189,7 +193,7 @@ mod tests {
     fn newtons_method_takes_few_evaluations_where_the_force_is_convex() {
         for (compliance, most) in [(1e-9, 4), (1e-8, 5), (1e-7, 6), (1e-6, 7)] {
             EVALUATIONS.set(0);
-            let found = depth_in_series::<f64, Counted>([0.0; 2], compliance, 1e-6);
+            let found = depth_in_series(Counted, [0.0; 2], compliance, 1e-6);
             let rest = found + compliance * 1e18 * found.powi(3) - 1e-6;
             assert!(rest.abs() < 1e-20, "{compliance:e}: {rest:e}");
             assert!(
@@ -201,26 +205,27 @@ mod tests {
     }
 
     /// A force that jumps from zero to one newton at 0.3 m; its slope does not show the jump.
+    #[derive(Clone, Copy)]
     struct Jump;
 
     impl ElasticLaw for Jump {
-        fn elastic<R: Real>(_: [R; 2], penetration: R) -> R {
+        fn elastic<R: Real>(self, _: [R; 2], penetration: R) -> R {
             let jump = penetration.greater(penetration.constant(0.3));
             jump.select(penetration.constant(1.0), penetration.constant(0.0))
         }
 
-        fn slope<R: Real>(_: [R; 2], penetration: R, _: R) -> R {
+        fn slope<R: Real>(self, _: [R; 2], penetration: R, _: R) -> R {
             penetration.constant(0.0)
         }
 
-        fn stored(_: &[f64; 2], _: f64, _: f64) -> f64 {
+        fn stored(self, _: &[f64; 2], _: f64, _: f64) -> f64 {
             0.0
         }
     }
 
     #[test]
     fn bisection_finds_the_jump_at_which_newtons_method_has_a_cycle() {
-        let found = depth_in_series::<f64, Jump>([0.0; 2], 0.9, 1.0);
+        let found = depth_in_series(Jump, [0.0; 2], 0.9, 1.0);
         assert!((found - 0.3).abs() < 1e-13, "{found}");
     }
 }

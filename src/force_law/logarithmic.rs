@@ -29,7 +29,7 @@ impl ElasticLaw for Logarithmic {
     /// exp(-x) is (δ/`δ_end`)/(1 + x). A closed-form initial value is corrected by one step of Fritsch, Shafer and Crowley (1973), of
     /// fourth order.
     #[inline(always)]
-    fn elastic<R: Real>([end, stiffness]: [R; 2], penetration: R) -> R {
+    fn elastic<R: Real>(self, [end, stiffness]: [R; 2], penetration: R) -> R {
         let number = |value| penetration.constant(value);
         let one = number(1.0);
         let secant = stiffness * penetration;
@@ -54,7 +54,7 @@ impl ElasticLaw for Logarithmic {
     /// Return the slope from d ln f = -dx and d ln δ = -x/(1 + x) dx. At the end of the branch, where it is infinite, it is bounded by 1/ε
     /// times the secant stiffness.
     #[inline(always)]
-    fn slope<R: Real>([end, stiffness]: [R; 2], penetration: R, force: R) -> R {
+    fn slope<R: Real>(self, [end, stiffness]: [R; 2], penetration: R, force: R) -> R {
         // The force is the secant's force over 1 + x; its slope is the secant stiffness over x.
         let number = |value| penetration.constant(value);
         let least = number(LEAST);
@@ -65,7 +65,7 @@ impl ElasticLaw for Logarithmic {
     }
 
     /// Return f²/A (x/2 + 1/4), the integral of f dδ with f = `f_end` exp(-x).
-    fn stored(&[end, stiffness]: &[f64; 2], penetration: f64, force: f64) -> f64 {
+    fn stored(self, &[end, stiffness]: &[f64; 2], penetration: f64, force: f64) -> f64 {
         if penetration <= LEAST {
             return 0.0;
         }
@@ -76,7 +76,7 @@ impl ElasticLaw for Logarithmic {
         force * force / stiffness * (0.5 * x + 0.25)
     }
 
-    fn range_end(&[end, _]: &[f64; 2]) -> f64 {
+    fn range_end(self, &[end, _]: &[f64; 2]) -> f64 {
         end
     }
 }
@@ -139,7 +139,7 @@ mod tests {
         let scale = std::f64::consts::PI * surfaces.length * surfaces.contact_modulus;
         let mut penetration = 1e-15;
         while penetration < 0.9999 * pair[0] {
-            let f = Logarithmic::force(&pair, penetration);
+            let f = Logarithmic.force(&pair, penetration);
             let back = f / scale * ((4.0 * scale * surfaces.radius_difference / f).ln() - 1.0);
             assert!(
                 (back / penetration - 1.0).abs() < 1e-12,
@@ -155,22 +155,22 @@ mod tests {
         for d in [1e-8, 1e-6, 10e-6, 15e-6] {
             let h = 1e-4 * d;
             let slope =
-                (Logarithmic::energy(&pair, d + h) - Logarithmic::energy(&pair, d - h)) / (2.0 * h);
+                (Logarithmic.energy(&pair, d + h) - Logarithmic.energy(&pair, d - h)) / (2.0 * h);
             assert!(
-                (slope / Logarithmic::force(&pair, d) - 1.0).abs() < 1e-6,
+                (slope / Logarithmic.force(&pair, d) - 1.0).abs() < 1e-6,
                 "{d}"
             );
         }
         // Both forms meet at the end; over this distance the energy changes by four times its share.
         let [end, stiffness] = pair;
-        let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|x| Logarithmic::energy(&pair, x * end));
+        let [below, above] = [1.0 - 1e-9, 1.0 + 1e-9].map(|x| Logarithmic.energy(&pair, x * end));
         let change = (above - below) / (0.25 * stiffness * end * end);
         assert!((0.0..1e-8).contains(&change), "{change}");
     }
 
     /// The bound is the error of the solver: that of the exponent passed to exp, and that of δ/`δ_end` near the end.
     fn assert_as_solved(pair: &[f64; 2], penetrations: &[f64]) {
-        for_each_force::<Logarithmic>(pair, penetrations, |set, d, force| {
+        for_each_force(Logarithmic, pair, penetrations, |set, d, force| {
             let twin = solved(pair, d);
             let exponent = (pair[0] * pair[1] / twin).ln();
             let to_end = 1.0 - d / pair[0];
@@ -188,14 +188,14 @@ mod tests {
         let end = pair[0];
         assert_as_solved(&pair, &[LEAST, 1e-299, 0.999 * end, end.next_down()]);
         let past = [0.0, end, end.next_up(), 2.0 * end, 1e10, f64::INFINITY];
-        for_each_force::<Logarithmic>(&pair, &past, |set, d, force| {
+        for_each_force(Logarithmic, &pair, &past, |set, d, force| {
             assert_eq!(force, pair[1] * d, "{set} at {d:e}");
         });
-        for_each_force::<Logarithmic>(&pair, &[f64::NAN], |set, _, force| {
+        for_each_force(Logarithmic, &pair, &[f64::NAN], |set, _, force| {
             assert!(force.is_nan(), "{set}");
         });
         let tiny = [5e-324, 1e-310, LEAST.next_down()];
-        for_each_force::<Logarithmic>(&pair, &tiny, |set, d, force| {
+        for_each_force(Logarithmic, &pair, &tiny, |set, d, force| {
             assert!(
                 (0.9..1.1).contains(&(force / solved(&pair, d))) || force < 1e-310,
                 "{set} at {d:e}"
@@ -210,7 +210,7 @@ mod tests {
         let scale = std::f64::consts::PI * surfaces.length * surfaces.contact_modulus;
         let below = |to_end: f64| pair[0] * (1.0 - to_end);
         let depths: Vec<f64> = (1..4000).map(|i| below(0.996f64.powi(i))).collect();
-        for_each_force::<Logarithmic>(&pair, &depths, |set, d, force| {
+        for_each_force(Logarithmic, &pair, &depths, |set, d, force| {
             let back =
                 force / scale * ((4.0 * scale * surfaces.radius_difference / force).ln() - 1.0);
             assert!((back / d - 1.0).abs() < 2e-15, "{set} at {d:e}: {back:e}");

@@ -28,7 +28,7 @@ pub use bristles::{Bent, LuGre};
 pub(crate) use conformal::Conformal;
 pub(crate) use contact_lane::{ContactLane, RestitutionDamping};
 pub use dissipation::{Damping, damping_factor, effective_restitution};
-pub(crate) use elastic::{Definition, Form, with_law};
+pub(crate) use elastic::{Definition, Form};
 pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};
 pub(crate) use film::FilmLaw;
 pub use film::{Film, FilmForce, HingeFilm};
@@ -111,44 +111,44 @@ impl SurfacePair {
     }
 }
 
-/// Elastic part of a force law in one of its forms, with two constants for each pair of surfaces.
-pub(crate) trait ElasticLaw {
+/// Elastic part of a force law in one of its forms, or in a form chosen at run time ([`Form`]); two constants for each pair of surfaces.
+pub(crate) trait ElasticLaw: Copy {
     /// Return the elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; NaN is kept.
-    fn elastic<R: Real>(pair: [R; 2], penetration: R) -> R;
+    fn elastic<R: Real>(self, pair: [R; 2], penetration: R) -> R;
 
     /// Return the slope df/dδ \[N/m\] from the penetration and this force; zero at zero.
-    fn slope<R: Real>(pair: [R; 2], penetration: R, force: R) -> R;
+    fn slope<R: Real>(self, pair: [R; 2], penetration: R, force: R) -> R;
 
     /// Return the energy stored at a penetration δ > 0 \[J\], the integral of the force, whose value there is `force`.
-    fn stored(pair: &[f64; 2], penetration: f64, force: f64) -> f64;
+    fn stored(self, pair: &[f64; 2], penetration: f64, force: f64) -> f64;
 
     /// Return the penetration \[m\] at which the law's range ends.
-    fn range_end(_pair: &[f64; 2]) -> f64 {
+    fn range_end(self, _pair: &[f64; 2]) -> f64 {
         f64::INFINITY
     }
 
     /// Return the elastic force \[N\] at any penetration \[m\]; zero for δ <= 0.
-    fn force(pair: &[f64; 2], penetration: f64) -> f64 {
+    fn force(self, pair: &[f64; 2], penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
         }
-        Self::elastic(*pair, penetration)
+        self.elastic(*pair, penetration)
     }
 
     /// Return the slope df/dδ \[N/m\]; zero for δ <= 0.
-    fn stiffness(pair: &[f64; 2], penetration: f64) -> f64 {
+    fn stiffness(self, pair: &[f64; 2], penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
         }
-        Self::slope(*pair, penetration, Self::force(pair, penetration))
+        self.slope(*pair, penetration, self.force(pair, penetration))
     }
 
     /// Return the energy stored at any penetration \[J\]; zero for δ <= 0.
-    fn energy(pair: &[f64; 2], penetration: f64) -> f64 {
+    fn energy(self, pair: &[f64; 2], penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
         }
-        Self::stored(pair, penetration, Self::force(pair, penetration))
+        self.stored(pair, penetration, self.force(pair, penetration))
     }
 }
 

@@ -31,7 +31,7 @@ impl ElasticLaw for Power {
     /// With ln(δ/2^-20 m) = k ln 2 + rest, the force is that at 2^-20 m times 2^j e^r, where j is an integer and j ln 2 + r = n (k ln 2 +
     /// rest). The integer part is subtracted before any rounding.
     #[inline(always)]
-    fn elastic<R: Real>([force, n]: [R; 2], penetration: R) -> R {
+    fn elastic<R: Real>(self, [force, n]: [R; 2], penetration: R) -> R {
         let number = |value| penetration.constant(value);
         let (k, rest) = octaves_of_quotient(penetration, number(REFERENCE));
         // The head of n has a resolution of 2^-30: its product with k is exact.
@@ -56,23 +56,23 @@ impl ElasticLaw for Power {
     }
 
     #[inline(always)]
-    fn slope<R: Real>([_, n]: [R; 2], penetration: R, force: R) -> R {
+    fn slope<R: Real>(self, [_, n]: [R; 2], penetration: R, force: R) -> R {
         n * force / penetration.max(penetration.constant(LEAST))
     }
 
-    fn stored([_, n]: &[f64; 2], penetration: f64, force: f64) -> f64 {
+    fn stored(self, [_, n]: &[f64; 2], penetration: f64, force: f64) -> f64 {
         force * penetration / (n + 1.0)
     }
 
     /// Return the force; a linear law requires no power.
-    fn force(pair: &[f64; 2], penetration: f64) -> f64 {
+    fn force(self, pair: &[f64; 2], penetration: f64) -> f64 {
         let [reference, n] = *pair;
         if penetration <= 0.0 {
             0.0
         } else if n == 1.0 {
             reference * (penetration / REFERENCE)
         } else {
-            Self::elastic(*pair, penetration)
+            self.elastic(*pair, penetration)
         }
     }
 }
@@ -96,7 +96,7 @@ mod tests {
     /// Assert that the force of K and n is K δ^n, to 5 units in the last place.
     fn assert_near_printed([stiffness, n]: [f64; 2], depths: &[f64]) {
         let pair = Power::constants(stiffness, n);
-        for_each_force::<Power>(&pair, depths, |set, d, force| {
+        for_each_force(Power, &pair, depths, |set, d, force| {
             let printed = stiffness * d.powf(n);
             assert!(
                 ulps(force, printed) <= 5,
@@ -110,14 +110,14 @@ mod tests {
         let [stiffness, n] = pair(25e-6);
         let constants = Power::constants(stiffness, n);
         let zero = [0.0, -0.0, 5e-324, f64::MIN_POSITIVE, LEAST.next_down()];
-        for_each_force::<Power>(&constants, &zero, |set, d, force| {
+        for_each_force(Power, &constants, &zero, |set, d, force| {
             assert_eq!(force, 0.0, "{set} at {d:e}");
             assert!(stiffness * d.powf(n) < 1e-170);
         });
-        for_each_force::<Power>(&constants, &[f64::INFINITY], |set, _, force| {
+        for_each_force(Power, &constants, &[f64::INFINITY], |set, _, force| {
             assert_eq!(force, f64::INFINITY, "{set}");
         });
-        for_each_force::<Power>(&constants, &[f64::NAN], |set, _, force| {
+        for_each_force(Power, &constants, &[f64::NAN], |set, _, force| {
             assert!(force.is_nan(), "{set}");
         });
         let ends = [
@@ -147,7 +147,7 @@ mod tests {
         let depths: Vec<f64> = (-120..-20).map(|e| 1.7f64.powi(e)).collect();
         assert_near_printed([3e8, 1.0], &depths);
         for d in depths {
-            assert_eq!(Power::force(&Power::constants(3e8, 1.0), d), 3e8 * d);
+            assert_eq!(Power.force(&Power::constants(3e8, 1.0), d), 3e8 * d);
         }
     }
 }

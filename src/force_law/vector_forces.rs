@@ -1,10 +1,8 @@
 //! A law over many penetrations at once, as in the kernels; for measurements and comparisons.
 
-use std::marker::PhantomData;
-
 use pulp::{Simd, WithSimd};
 
-use super::{Elastic, ElasticLaw, PairTable, SurfacePair, with_law};
+use super::{Elastic, ElasticLaw, Form, PairTable, SurfacePair};
 use crate::math::simd::{InstructionSet, Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
 
 /// One law of one pair with its instruction set, penetrations and forces.
@@ -40,24 +38,24 @@ impl VectorForces {
 
     /// Return the elastic forces \[N\].
     pub fn evaluate(&mut self) -> &[f64] {
-        with_law!(&self.table, Law, pairs => self.instructions.run(Evaluate::<Law> {
-            law: PhantomData,
-            constants: pairs[0],
+        self.instructions.run(Evaluate {
+            law: self.table.form(),
+            constants: self.table.pairs()[0],
             penetrations: &self.penetrations,
             forces: &mut self.forces,
-        }));
+        });
         &self.forces[..self.count]
     }
 }
 
-struct Evaluate<'a, L> {
-    law: PhantomData<L>,
+struct Evaluate<'a> {
+    law: Form,
     constants: [f64; 2],
     penetrations: &'a [f64],
     forces: &'a mut [f64],
 }
 
-impl<L: ElasticLaw> WithSimd for Evaluate<'_, L> {
+impl WithSimd for Evaluate<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -69,7 +67,7 @@ impl<L: ElasticLaw> WithSimd for Evaluate<'_, L> {
             .iter()
             .zip(vectors_mut::<S>(self.forces, blocks))
         {
-            *force = L::elastic(constants, load(simd, depth)).values();
+            *force = self.law.elastic(constants, load(simd, depth)).values();
         }
     }
 }

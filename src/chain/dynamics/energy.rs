@@ -2,7 +2,7 @@
 
 use super::Dynamics;
 use crate::chain::model::{Rotation, Support};
-use crate::force_law::{ElasticLaw, depth_in_series, with_law};
+use crate::force_law::{ElasticLaw, depth_in_series};
 use crate::geometry::Vec2;
 use crate::system::Energy;
 
@@ -77,28 +77,31 @@ pub(super) fn prescribed_energy(dynamics: &Dynamics) -> f64 {
 /// Return the elastic energy of all hinges, rollers and teeth \[J\].
 fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
-    let hinges: f64 = with_law!(&model.hinges.law.pairs, Law, pairs => {
-        dynamics.evaluated.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.hinges.compliance_at(k) {
-            None => Law::energy(&pairs[0], depth),
-            Some(compliance) => {
+    let law = &model.hinges.law.pairs;
+    let (form, pair) = (law.form(), &law.pairs()[0]);
+    let hinges = dynamics.evaluated.hinges.penetration.iter().enumerate();
+    let hinges = hinges.map(|(k, &depth)| match model.hinges.compliance_at(k) {
+        None => form.energy(pair, depth),
+        Some(compliance) => {
             // Contact and plates in series: δ = δ_c + C f(δ_c), V = V_c(δ_c) + C f²/2.
-                let pressed = depth_in_series::<f64, Law>(pairs[0], compliance, depth);
-                let force = Law::force(&pairs[0], pressed);
-                Law::energy(&pairs[0], pressed) + 0.5 * compliance * force * force
-            }
-        }).sum()
+            let pressed = depth_in_series(form, *pair, compliance, depth);
+            let force = form.force(pair, pressed);
+            form.energy(pair, pressed) + 0.5 * compliance * force * force
+        }
     });
+    let hinges: f64 = hinges.sum();
     let rollers: f64 = model.rollers.as_ref().map_or(0.0, |rollers| {
-        with_law!(&rollers.law.pairs, Law, pairs => {
-            dynamics.evaluated.rollers.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
-        })
+        let pair = rollers.law.pairs.pair(0);
+        let depths = dynamics.evaluated.rollers.penetration.iter();
+        depths.map(|&depth| pair.energy(depth)).sum()
     });
-    let teeth: f64 = with_law!(&model.teeth.law.pairs, Law, pairs => {
-        dynamics.evaluated.teeth.near.iter().map(|&pair| {
-            let pair = pair as usize;
-            let number = model.tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
-            Law::energy(&pairs[number], dynamics.evaluated.teeth.penetration[pair])
-        }).sum()
+    let law = &model.teeth.law.pairs;
+    let teeth = dynamics.evaluated.teeth.near.iter().map(|&pair| {
+        let pair = pair as usize;
+        let number = model.tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
+        law.pair(number)
+            .energy(dynamics.evaluated.teeth.penetration[pair])
     });
+    let teeth: f64 = teeth.sum();
     hinges + teeth + rollers
 }

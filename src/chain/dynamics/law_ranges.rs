@@ -1,7 +1,7 @@
 //! Contacts beyond the end of their force law: the first hinge or roller, and the first tooth contact, with a message each.
 
 use super::{Dynamics, Needs};
-use crate::force_law::{Elastic, ElasticLaw, Regions, with_law};
+use crate::force_law::{Elastic, ElasticLaw, Regions};
 use crate::geometry::Surface;
 use crate::integrator::Adams;
 
@@ -25,9 +25,9 @@ impl Dynamics {
         }
         let model = &self.model;
         if model.teeth.law.elastic.has_an_end() && self.past_ranges.tooth.is_none() {
-            let nearest_end = with_law!(&model.teeth.law.pairs, Law, pairs => {
-                pairs.iter().map(range_end::<Law>).fold(f64::INFINITY, f64::min)
-            });
+            let law = &model.teeth.law.pairs;
+            let ends = law.pairs().iter().map(|pair| law.form().range_end(pair));
+            let nearest_end = ends.fold(f64::INFINITY, f64::min);
             let beyond = |(_, _, depth, _): (usize, usize, f64, f64)| depth > nearest_end;
             if self.kernels.tooth_contacts(model).any(beyond) {
                 self.evaluate(adams.time(), adams.y());
@@ -58,10 +58,9 @@ impl Dynamics {
         let model = &self.model;
         let law = &model.hinges.law;
         if law.elastic.has_an_end() {
-            let (end, force) = with_law!(&law.pairs, Law, pairs => {
-                let end = range_end::<Law>(&pairs[0]);
-                (end, force_at::<Law>(&pairs[0], end))
-            });
+            let pair = law.pairs.pair(0);
+            let end = pair.range_end();
+            let force = pair.force(end);
             let end_of = |k: usize| {
                 end + model
                     .hinges
@@ -78,7 +77,7 @@ impl Dynamics {
         if !law.elastic.has_an_end() {
             return None;
         }
-        let end = with_law!(&law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
+        let end = law.pairs.pair(0).range_end();
         let k = rollers.iter().position(|&depth| depth > end)?;
         let name = format!("bushing {0} in roller {0}", k + 1);
         Some(past_range(law.elastic, &name, rollers[k], end))
@@ -92,8 +91,7 @@ impl Dynamics {
             let depth = self.evaluated.teeth.penetration[pair];
             let (s, k) = (pair / model.links, pair % model.links);
             let number = model.tooth_pair(s, self.stiffness_surface(pair));
-            let end =
-                with_law!(&model.teeth.law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
+            let end = model.teeth.law.pairs.pair(number).range_end();
             let name = || format!("{} on {}", model.on_teeth_name(k), model.wheel_name(s));
             (depth > end).then(|| past_range(model.teeth.law.elastic, &name(), depth, end))
         })
@@ -123,14 +121,4 @@ fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
         "{law} law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
          the force continues with the secant stiffness"
     )
-}
-
-/// Return the elastic force at a penetration \[N\].
-fn force_at<L: ElasticLaw>(pair: &[f64; 2], depth: f64) -> f64 {
-    L::force(pair, depth)
-}
-
-/// Return the penetration at the end of a law \[m\].
-fn range_end<L: ElasticLaw>(pair: &[f64; 2]) -> f64 {
-    L::range_end(pair)
 }

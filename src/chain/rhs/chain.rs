@@ -5,12 +5,9 @@ mod hinges;
 mod losses;
 mod rollers;
 
-use std::marker::PhantomData;
-
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::force_law::ElasticLaw;
 use crate::math::simd::{
     Lanes, WIDTH, lane_numbers, load, packs, packs_mut, part_of, partial_load, parts, put_part,
     sin_cos, vectors, vectors_mut,
@@ -38,17 +35,15 @@ pub(crate) struct ChainFound {
     pub(crate) film_power: f64,
 }
 
-/// Kernel of the chain, one instance per contact law. `DAMPED`: with the damping factor; `FRICTION`: with friction; `BRISTLED`:
+/// Kernel of the chain. `DAMPED`: with the damping factor; `FRICTION`: with friction; `BRISTLED`:
 /// friction by bristles; `EXTRA`: with lubricant, elastic plates and friction, as far as the model has them.
 pub(crate) struct EvaluateHinges<
     'a,
-    L,
     const DAMPED: bool,
     const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
 > {
-    pub(crate) law: PhantomData<L>,
     pub(crate) hinges: Joints<'a>,
     /// x, y \[m\] and θ \[rad\] of the links.
     pub(crate) places: [&'a [f64]; 3],
@@ -64,13 +59,8 @@ pub(crate) struct EvaluateHinges<
     pub(crate) compliance: Option<&'a [f64]>,
 }
 
-impl<
-    L: ElasticLaw,
-    const DAMPED: bool,
-    const FRICTION: bool,
-    const BRISTLED: bool,
-    const EXTRA: bool,
-> WithSimd for EvaluateHinges<'_, L, DAMPED, FRICTION, BRISTLED, EXTRA>
+impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, const EXTRA: bool> WithSimd
+    for EvaluateHinges<'_, DAMPED, FRICTION, BRISTLED, EXTRA>
 {
     type Output = ChainFound;
 
@@ -83,7 +73,7 @@ impl<
         let arrays = self.arrays;
         write_directions::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
         write_sprocket_directions::<S>(simd, arrays);
-        let (mut hinges, direction) = Hinges::<S, L, DAMPED, FRICTION, BRISTLED, EXTRA>::new(
+        let (mut hinges, direction) = Hinges::<S, DAMPED, FRICTION, BRISTLED, EXTRA>::new(
             simd,
             self.hinges,
             self.constants,

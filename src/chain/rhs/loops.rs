@@ -1,7 +1,5 @@
 //! Loops over hinges, rollers and teeth: their input, and the loop instance for the options of a model.
 
-use std::marker::PhantomData;
-
 use super::bristles::{BristleState, Bristling, ContactKind};
 use super::chain::{
     ChainFound, EvaluateHinges, EvaluateRollers, HingeFriction, Joints, Lubricant, RepeatBushings,
@@ -13,7 +11,7 @@ use super::{Kernels, on_teeth};
 use crate::chain::contact::ImpactMemory;
 use crate::chain::model::{Model, RollerModel};
 use crate::chain::newton::NewtonMatrix;
-use crate::force_law::{ElasticLaw, LuGre};
+use crate::force_law::LuGre;
 use crate::geometry::Vec2;
 
 /// Return the slopes to write, if an evaluation shall write them.
@@ -37,11 +35,10 @@ fn bristling<'a>(
 
 impl Kernels {
     /// Evaluate the hinges with the loop instance for the options of `model`.
-    pub(super) fn evaluate_hinges<L: ElasticLaw>(
+    pub(super) fn evaluate_hinges(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
-        law_constants: [f64; 2],
         y: &[f64],
     ) -> ChainFound {
         let law = &model.hinges.law;
@@ -66,7 +63,8 @@ impl Kernels {
         );
         let has_friction = friction.is_some();
         let hinges = Joints {
-            law_constants,
+            form: law.pairs.form(),
+            law_constants: law.pairs.pairs()[0],
             clearance: model.hinges.clearance,
             lambda: law.lambda,
             floor: model.min_impact_velocity,
@@ -80,8 +78,7 @@ impl Kernels {
         macro_rules! join {
             ($damped:literal, $friction:literal, $bristled:literal, $extra:literal) => {
                 self.instructions
-                    .run(EvaluateHinges::<L, $damped, $friction, $bristled, $extra> {
-                        law: PhantomData,
+                    .run(EvaluateHinges::<$damped, $friction, $bristled, $extra> {
                         hinges,
                         places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
                         speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
@@ -107,12 +104,11 @@ impl Kernels {
     }
 
     /// Evaluate the rollers on their bushings with the loop instance for the options of `model`.
-    pub(super) fn evaluate_rollers<L: ElasticLaw>(
+    pub(super) fn evaluate_rollers(
         &mut self,
         model: &Model,
         of: &RollerModel,
         memory: &ImpactMemory,
-        law_constants: [f64; 2],
         y: &[f64],
     ) -> ChainFound {
         let Some(rollers) = &mut self.rollers else {
@@ -134,7 +130,8 @@ impl Kernels {
         );
         let has_friction = friction.is_some();
         let bores = Joints {
-            law_constants,
+            form: of.law.pairs.form(),
+            law_constants: of.law.pairs.pairs()[0],
             clearance: of.clearance,
             lambda: of.law.lambda,
             floor: model.min_impact_velocity,
@@ -148,8 +145,7 @@ impl Kernels {
         macro_rules! join {
             ($damped:literal, $friction:literal, $bristled:literal) => {
                 self.instructions
-                    .run(EvaluateRollers::<L, $damped, $friction, $bristled> {
-                        law: PhantomData,
+                    .run(EvaluateRollers::<$damped, $friction, $bristled> {
                         bores,
                         places: [&q[..n], &q[n..2 * n]],
                         speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
@@ -199,7 +195,7 @@ impl Kernels {
     }
 
     /// Evaluate the teeth of sprocket `s` with the loop instance for its tooth form and the options of `model`.
-    pub(super) fn evaluate_teeth<L: ElasticLaw>(&mut self, model: &Model, s: usize) -> TeethFound {
+    pub(super) fn evaluate_teeth(&mut self, model: &Model, s: usize) -> TeethFound {
         let law = &model.teeth.law;
         let slopes = requested(&mut self.newton, self.writes_slopes);
         let slopes = slopes.map(|slopes| &mut slopes.teeth[s]);
@@ -224,8 +220,8 @@ impl Kernels {
         macro_rules! touch {
             ($constants:expr, $damped:literal, $friction:literal, $bristled:literal) => {
                 self.instructions
-                    .run(EvaluateTeeth::<_, L, $damped, $friction, $bristled> {
-                        law: PhantomData,
+                    .run(EvaluateTeeth::<_, $damped, $friction, $bristled> {
+                        form: law.pairs.form(),
                         sprocket: &model.sprockets[s],
                         constants: $constants,
                         keeps_stiffness,

@@ -2,8 +2,8 @@
 //!
 //! chain (directions, ends, hinges, bushings) -> rollers, where they are bodies -> candidates -> teeth -> loads -> accelerations
 //!
-//! Each kernel evaluates one law in one loop over arrays, one array per quantity. Options are constant parameters of a loop:
-//! damping, friction, and the dissipated power. A model without an option runs an instance of the loop without it.
+//! Each kernel is one loop over arrays, one array per quantity. Damping and friction are constant parameters of a loop: a model without
+//! them runs an instance of the loop without them. The form of the elastic law is chosen once per vector.
 
 #![allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
 
@@ -37,7 +37,6 @@ use crate::chain::dynamics::{Losses, Powers, SprocketLoad, outside_powers};
 use crate::chain::model::Model;
 use crate::chain::motion::sprocket_motion;
 use crate::chain::newton::NewtonMatrix;
-use crate::force_law::with_law;
 use crate::geometry::Vec2;
 use crate::math::simd::InstructionSet;
 
@@ -221,9 +220,7 @@ impl Kernels {
                 rollers.arrays.clear_moments();
             }
         }
-        let chain = with_law!(&model.hinges.law.pairs, Law, pairs => {
-            self.evaluate_hinges::<Law>(model, memory, pairs[0], y)
-        });
+        let chain = self.evaluate_hinges(model, memory, y);
         if let Some(ends) = &model.ends {
             self.chain.forget_open_hinges(ends);
         }
@@ -235,9 +232,7 @@ impl Kernels {
                 let spins = &y[model.coordinates + 2 * model.links..][..model.links];
                 self.chain.spin_bushings(&self.links, spins, 0);
             }
-            with_law!(&of.law.pairs, Law, pairs => {
-                self.evaluate_rollers::<Law>(model, of, memory, pairs[0], y)
-            })
+            self.evaluate_rollers(model, of, memory, y)
         });
         if let (Some(rollers), Some(_)) = (&mut self.rollers, &model.ends) {
             rollers.arrays.forget_absent_rollers(model);
@@ -280,9 +275,7 @@ impl Kernels {
         }
         for s in 0..model.sprockets.len() {
             self.take_tooth_bristles(model, s, y);
-            let teeth = with_law!(&model.teeth.law.pairs, Law, _pairs => {
-                self.evaluate_teeth::<Law>(model, s)
-            });
+            let teeth = self.evaluate_teeth(model, s);
             self.put_tooth_bristles(model, s, bristle_rates);
             self.changed[ContactKind::Teeth as usize] |= teeth.changed;
             losses.tooth_contact += teeth.dissipated;

@@ -2,8 +2,6 @@
 
 mod run;
 
-use std::marker::PhantomData;
-
 use pulp::{Simd, WithSimd};
 
 use super::bristles::Bristling;
@@ -14,7 +12,7 @@ use super::slopes::{ContactSlopes, group_of};
 use crate::chain::contact::{Run, SprocketCandidates};
 use crate::chain::model::SprocketModel;
 use crate::force_law::{
-    ContactLane, ElasticLaw, Friction, RegularizedFriction, RestitutionDamping,
+    ContactLane, ElasticLaw, Form, Friction, RegularizedFriction, RestitutionDamping,
 };
 use crate::math::simd::{Lanes, Mask, PartialSums, lane_numbers, load, splat_two, vectors};
 use run::RunOfBushings;
@@ -42,16 +40,16 @@ pub(crate) struct ToothFriction<'a> {
     pub(crate) bushing_radius: f64,
 }
 
-/// Kernel of the candidates of one sprocket, one instance per contact law; constant parameters as of `EvaluateHinges`.
+/// Kernel of the candidates of one sprocket; constant parameters as of `EvaluateHinges`.
 pub(crate) struct EvaluateTeeth<
     'a,
     C,
-    L,
     const DAMPED: bool,
     const FRICTION: bool,
     const BRISTLED: bool,
 > {
-    pub(crate) law: PhantomData<L>,
+    /// Form of the elastic law.
+    pub(crate) form: Form,
     pub(crate) sprocket: &'a SprocketModel,
     pub(crate) constants: &'a C,
     /// Whether a contact keeps the stiffness of its onset.
@@ -72,16 +70,16 @@ pub(crate) struct EvaluateTeeth<
     pub(crate) bristles: Option<Bristling<'a>>,
 }
 
-impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool>
-    WithSimd for EvaluateTeeth<'_, C, L, DAMPED, FRICTION, BRISTLED>
+impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> WithSimd
+    for EvaluateTeeth<'_, C, DAMPED, FRICTION, BRISTLED>
 {
     type Output = TeethFound;
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
-        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, FRICTION, BRISTLED> {
-            law: PhantomData,
+        let mut teeth = Teeth::<S, C::Of<'_, S>, DAMPED, FRICTION, BRISTLED> {
+            form: self.form,
             gap: self.constants.gap(simd),
             center: splat_two(simd, self.pose.center),
             velocity: splat_two(simd, self.pose.velocity),
@@ -145,8 +143,8 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
 }
 
 /// Teeth of a sprocket in SIMD vectors, and sums over their contacts.
-struct Teeth<S: Simd, G, L, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> {
-    law: PhantomData<L>,
+struct Teeth<S: Simd, G, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> {
+    form: Form,
     gap: G,
     center: [Lanes<S>; 2],
     velocity: [Lanes<S>; 2],
@@ -165,14 +163,8 @@ struct Teeth<S: Simd, G, L, const DAMPED: bool, const FRICTION: bool, const BRIS
     rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
 }
 
-impl<
-    S: Simd,
-    G: Gap<S>,
-    L: ElasticLaw,
-    const DAMPED: bool,
-    const FRICTION: bool,
-    const BRISTLED: bool,
-> Teeth<S, G, L, DAMPED, FRICTION, BRISTLED>
+impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool>
+    Teeth<S, G, DAMPED, FRICTION, BRISTLED>
 {
     /// Return the positions of bushings relative to the sprocket's centre \[m\].
     #[inline(always)]
@@ -244,7 +236,7 @@ impl<
             law_constants[0] = remembered.select(at(run.kept_constants[0]), law_constants[0]);
             law_constants[1] = remembered.select(at(run.kept_constants[1]), law_constants[1]);
         }
-        let elastic = L::elastic(law_constants, depth);
+        let elastic = self.form.elastic(law_constants, depth);
         let mut across = zero;
         let contact = if DAMPED {
             // Every surface is fixed in the sprocket. The velocity of the sprocket's point at the bushing's centre gives the
@@ -274,7 +266,7 @@ impl<
             self.sums[3].add(b, contact.power());
         }
         if let Some(slopes) = &mut run.slopes {
-            let alone = L::slope(law_constants, depth, elastic);
+            let alone = self.form.slope(law_constants, depth, elastic);
             let [stiffness, damping] = contact.slopes(alone);
             let entries = [nx, ny, force, stiffness, damping, curvature];
             let (group, part) = group_of::<S, _>(slopes, b);

@@ -1,8 +1,6 @@
 //! Hinges in SIMD vectors: contacts, penetrations and normal forces. The loop serves the hinges between links and the rollers on
 //! their bushings.
 
-use std::marker::PhantomData;
-
 use pulp::Simd;
 
 use super::ChainFound;
@@ -12,7 +10,8 @@ use crate::chain::rhs::bristles::{BristleLanes, Bristling};
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::rhs::slopes::{ContactSlopes, FilmGroup, FrictionGroup, SlopeGroup, group_of};
 use crate::force_law::{
-    ContactLane, ElasticLaw, FilmLaw, RegularizedFriction, RestitutionDamping, depth_in_series,
+    ContactLane, ElasticLaw, FilmLaw, Form, RegularizedFriction, RestitutionDamping,
+    depth_in_series,
 };
 use crate::math::simd::{
     Lanes, Numbers, PartialSums, both, both_mut, load, splat_two, vectors, vectors_mut,
@@ -20,6 +19,8 @@ use crate::math::simd::{
 
 /// Input for all hinges of one loop.
 pub(crate) struct Joints<'a> {
+    /// Form of the elastic law.
+    pub(crate) form: Form,
     /// Constants of the elastic law.
     pub(crate) law_constants: [f64; 2],
     /// Radial clearance \[m\].
@@ -46,13 +47,12 @@ pub(crate) struct Joints<'a> {
 pub(super) struct Hinges<
     'a,
     S: Simd,
-    L,
     const DAMPED: bool,
     const FRICTION: bool,
     const BRISTLED: bool,
     const EXTRA: bool,
 > {
-    law: PhantomData<L>,
+    form: Form,
     law_constants: [Lanes<S>; 2],
     pub(super) clearance: Lanes<S>,
     damping: RestitutionDamping<Lanes<S>>,
@@ -105,15 +105,8 @@ pub(super) struct Hinges<
     pub(super) compliance: Option<&'a [S::f64s]>,
 }
 
-impl<
-    'a,
-    S: Simd,
-    L: ElasticLaw,
-    const DAMPED: bool,
-    const FRICTION: bool,
-    const BRISTLED: bool,
-    const EXTRA: bool,
-> Hinges<'a, S, L, DAMPED, FRICTION, BRISTLED, EXTRA>
+impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, const EXTRA: bool>
+    Hinges<'a, S, DAMPED, FRICTION, BRISTLED, EXTRA>
 {
     /// Return the hinges of these joints, and cosines and sines of the links, which are borrowed apart from the other arrays.
     /// [`Self::attach_optional_forces`] adds lubricant and elastic plates.
@@ -128,7 +121,7 @@ impl<
         let splat = |value| Lanes::splat(simd, value);
         let (slopes, friction_slopes) = joints.slopes.map(|slopes| slopes.at_slot(0)).unzip();
         let mut hinges = Self {
-            law: PhantomData,
+            form: joints.form,
             law_constants: splat_two(simd, joints.law_constants),
             clearance: splat(joints.clearance),
             damping: RestitutionDamping {
@@ -267,9 +260,9 @@ impl<
         // Contact and plates in series: the contact's own penetration.
         if EXTRA && let Some(compliance) = self.compliance {
             let compliance = load(simd, &compliance[i]);
-            contact_depth = depth_in_series::<_, L>(self.law_constants, compliance, depth);
+            contact_depth = depth_in_series(self.form, self.law_constants, compliance, depth);
         }
-        let elastic = L::elastic(self.law_constants, contact_depth);
+        let elastic = self.form.elastic(self.law_constants, contact_depth);
         // f = f_e(δ) max(0, 1 + λ δ'/δ'₀).
         let contact = if DAMPED {
             let rate = nx.mul_add(velocity[0], ny * velocity[1]);
@@ -288,7 +281,7 @@ impl<
             self.power.add(i, contact.power());
         }
         if let Some(slopes) = &mut self.slopes {
-            let alone = L::slope(self.law_constants, contact_depth, elastic);
+            let alone = self.form.slope(self.law_constants, contact_depth, elastic);
             let [mut stiffness, damping] = contact.slopes(alone);
             if EXTRA && let Some(compliance) = self.compliance {
                 // Series of stiffness k and compliance c: k/(1 + c k).

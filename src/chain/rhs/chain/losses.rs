@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::ends::End;
 use super::hinges::Hinges;
 use crate::chain::rhs::slopes::{FilmGroup, group_of};
-use crate::force_law::{ElasticLaw, FilmForce, Friction, HingeFilm};
+use crate::force_law::{FilmForce, Friction, HingeFilm};
 use crate::math::simd::{Lanes, load, write};
 
 /// Friction in hinges.
@@ -22,14 +22,8 @@ pub(crate) struct Lubricant<'a> {
     pub(crate) slopes: Option<&'a mut [FilmGroup]>,
 }
 
-impl<
-    S: Simd,
-    L: ElasticLaw,
-    const DAMPED: bool,
-    const FRICTION: bool,
-    const BRISTLED: bool,
-    const EXTRA: bool,
-> Hinges<'_, S, L, DAMPED, FRICTION, BRISTLED, EXTRA>
+impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, const EXTRA: bool>
+    Hinges<'_, S, DAMPED, FRICTION, BRISTLED, EXTRA>
 {
     /// Add the film to the forces and moments of these hinges.
     ///

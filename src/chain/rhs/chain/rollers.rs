@@ -3,8 +3,6 @@
 //! Rollers have the same arrays as the chain. Their centres replace those of the bushings, and the forces on them replace those on
 //! front ends. Teeth, candidates and event screening use both kinds of arrays in the same way.
 
-use std::marker::PhantomData;
-
 use pulp::{Simd, WithSimd};
 
 use super::ends::End;
@@ -12,7 +10,6 @@ use super::hinges::{Hinges, Joints};
 use super::{ChainFound, RepeatBushings};
 use crate::chain::model::Model;
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::force_law::ElasticLaw;
 use crate::math::simd::{
     Entries, Lanes, Mask, both, both_mut, lane_numbers, load, vectors, vectors_mut,
 };
@@ -47,15 +44,13 @@ impl Rollers {
     }
 }
 
-/// Kernel of the rollers, one instance per contact law; parameters as of `EvaluateHinges`.
+/// Kernel of the rollers; parameters as of `EvaluateHinges`.
 pub(crate) struct EvaluateRollers<
     'a,
-    L,
     const DAMPED: bool,
     const FRICTION: bool,
     const BRISTLED: bool,
 > {
-    pub(crate) law: PhantomData<L>,
     pub(crate) bores: Joints<'a>,
     /// x and y \[m\] of the rollers.
     pub(crate) places: [&'a [f64]; 2],
@@ -69,8 +64,8 @@ pub(crate) struct EvaluateRollers<
     pub(crate) rollers: &'a mut Rollers,
 }
 
-impl<L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> WithSimd
-    for EvaluateRollers<'_, L, DAMPED, FRICTION, BRISTLED>
+impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> WithSimd
+    for EvaluateRollers<'_, DAMPED, FRICTION, BRISTLED>
 {
     type Output = ChainFound;
 
@@ -81,7 +76,7 @@ impl<L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bo
         let splat = |value| Lanes::splat(simd, value);
         let Rollers { constants, arrays } = self.rollers;
         let moments = FRICTION && (BRISTLED || self.bores.friction.is_some());
-        let (mut joints, _) = Hinges::<S, L, DAMPED, FRICTION, BRISTLED, false>::new(
+        let (mut joints, _) = Hinges::<S, DAMPED, FRICTION, BRISTLED, false>::new(
             simd, self.bores, constants, arrays, blocks,
         );
         let ChainArrays {
