@@ -120,7 +120,7 @@ impl Dynamics {
         // Event screening needs the gaps at the start of the first step.
         self.differentiate(t, y);
         self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
-        self.kernels.watch.advance();
+        self.kernels.advance_watch();
         self.look_for_jumps(t);
     }
 
@@ -182,7 +182,7 @@ impl Dynamics {
         if std::mem::take(&mut self.events.event_possible) {
             self.look_inside(adams, step);
         }
-        self.kernels.watch.advance();
+        self.kernels.advance_watch();
         self.watch_ranges(adams);
         // Steps are far shorter than a gap. After a displacement of more than half a pitch, the number of passed teeth is ambiguous.
         let farthest = self.events.fastest * (step.end - step.start);

@@ -166,7 +166,10 @@ impl OdeSystem for Dynamics {
     fn accepts_step(&mut self, length: f64, allowed: f64) -> bool {
         let watched = self.kernels.watch(&self.model, length);
         (self.events.event_possible, self.events.fastest) = (watched.event_possible, watched.speed);
-        !watched.event_possible || self.deepest_unseen(length) <= allowed
+        let accepts = !watched.event_possible || self.deepest_unseen(length) <= allowed;
+        // An explicit step evaluates its solution after this: what is screened is the end of the step.
+        self.kernels.write_gaps(!accepts);
+        accepts
     }
 
     fn dimension(&self) -> usize {

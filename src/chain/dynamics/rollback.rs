@@ -53,7 +53,7 @@ impl Dynamics {
         let mut derivative = std::mem::take(&mut self.slope);
         crate::integrator::OdeSystem::derivative(self, t, y, &mut derivative);
         self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
-        self.kernels.watch.advance();
+        self.kernels.advance_watch();
         if self.keeps_energy {
             self.quadrature.begin(t, self.powers);
         }

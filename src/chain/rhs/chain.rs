@@ -27,6 +27,8 @@ pub(crate) use rollers::{EvaluateRollers, Rollers};
 pub(crate) struct ChainFound {
     /// Largest squared distance of a bushing from its reference \[m²\].
     pub(crate) moved_squared: f64,
+    /// Largest squared speed of a bushing \[m²/s²\].
+    pub(crate) speed_squared: f64,
     /// Whether the contact state of a hinge differs from the impact velocity memory: contact without memory, or memory without
     /// contact.
     pub(crate) changed: bool,

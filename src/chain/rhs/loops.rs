@@ -212,6 +212,11 @@ impl Kernels {
             (ContactKind::Teeth, model.teeth.bristles.as_ref()),
             model.teeth.contact_radius,
         );
+        let ends = if self.writes_gaps {
+            Some(self.watch.tooth_ends(s))
+        } else {
+            None
+        };
         let (links, arrays) = match &mut self.rollers {
             Some(rollers) => (&rollers.constants, &mut rollers.arrays),
             None => (&self.links, &mut self.chain),
@@ -237,6 +242,7 @@ impl Kernels {
                         candidates: &mut self.candidates.sprockets[s],
                         powers: self.keeps_powers,
                         slopes,
+                        ends,
                         friction,
                         bristles,
                     })

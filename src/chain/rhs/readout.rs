@@ -119,6 +119,7 @@ impl Kernels {
         rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets_as(model, motion);
+        self.write_gaps(false);
         self.accelerate_placed(model, memory, t, y, rates)
     }
 
@@ -133,6 +134,7 @@ impl Kernels {
     ) {
         self.place_sprockets_as(model, motion);
         self.keep_powers(false);
+        self.write_gaps(false);
         let (moved_squared, mut losses) = self.evaluate_joints(model, memory, y, rates);
         if teeth {
             self.evaluate_all_teeth(model, memory, (y, moved_squared), rates, &mut losses);

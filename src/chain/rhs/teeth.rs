@@ -16,7 +16,7 @@ use crate::chain::model::SprocketModel;
 use crate::force_law::{
     ContactLane, ElasticLaw, Friction, RegularizedFriction, RestitutionDamping,
 };
-use crate::math::simd::{Lanes, Mask, PartialSums, lane_numbers, load, splat_two, vectors};
+use crate::math::simd::{Lanes, Mask, Numbers, PartialSums, lane_numbers, load, splat_two};
 use run::RunOfBushings;
 
 /// Loads of the chain on a sprocket, and the other results of the loop over its teeth.
@@ -66,6 +66,8 @@ pub(crate) struct EvaluateTeeth<
     pub(crate) powers: bool,
     /// Output for the slopes of the forces and of friction, slot by slot, if requested.
     pub(crate) slopes: Option<&'a mut ContactSlopes>,
+    /// Output for signed depths and their rates, slot by slot, if requested.
+    pub(crate) ends: Option<&'a mut [Numbers; 2]>,
     /// Friction for `FRICTION`.
     pub(crate) friction: Option<ToothFriction<'a>>,
     /// Bristles for `BRISTLED`, slot by slot.
@@ -115,11 +117,12 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
                 &mut *self.arrays,
                 &mut *self.candidates,
                 self.slopes.as_deref_mut(),
+                self.ends.as_deref_mut(),
             );
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 run.friction_arrays.bristles = Some(bristles.lanes(simd, slot, run.depth.len()));
             }
-            for b in 0..run.depth.len() {
+            for b in 0..length.div_ceil(S::F64_LANES) {
                 let from = b * S::F64_LANES;
                 let valid = lane_numbers(simd).less(splat((length - from) as f64));
                 let arm = teeth.arm(b, &run);
@@ -188,10 +191,7 @@ impl<
     #[inline(always)]
     fn place(&self, b: usize, arm: [Lanes<S>; 2], run: &RunOfBushings<S>) -> InGap<S> {
         let simd = self.spin.simd();
-        let gap = [
-            load(simd, &vectors::<S>(run.gap_cos, b + 1)[b]),
-            load(simd, &vectors::<S>(run.gap_sin, b + 1)[b]),
-        ];
+        let gap = [load(simd, &run.gap_cos[b]), load(simd, &run.gap_sin[b])];
         self.gap.place(arm, self.direction, gap)
     }
 
@@ -208,6 +208,20 @@ impl<
         let at = |array: &[S::f64s]| load(arm_x.simd(), &array[b]);
         let zero = arm_x.constant(0.0);
         let surface = self.gap.nearest(place);
+        // Every surface is fixed in the sprocket. The velocity of the sprocket's point at the bushing's centre gives the penetration
+        // rate on every surface.
+        let vx = self
+            .spin
+            .mul_add(arm_y, at(run.velocity[0]) - self.velocity[0]);
+        let vy = self
+            .spin
+            .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
+        if let Some([gap, rate]) = &mut run.ends {
+            let [found, change] = self.gap.gap_and_rate(&surface, place, [vx, vy]);
+            gap[b] = found.values();
+            // A rate of zero: no event behind the last bushing of the run.
+            rate[b] = valid.select(change, zero).values();
+        }
         let near = self.gap.near(&surface).and(valid);
         let inverse_impact_velocity = at(run.inverse_impact_velocity);
         let remembered = inverse_impact_velocity.greater(zero);
@@ -247,14 +261,6 @@ impl<
         let elastic = L::elastic(law_constants, depth);
         let mut across = zero;
         let contact = if DAMPED {
-            // Every surface is fixed in the sprocket. The velocity of the sprocket's point at the bushing's centre gives the
-            // penetration rate on every surface.
-            let vx = self
-                .spin
-                .mul_add(arm_y, at(run.velocity[0]) - self.velocity[0]);
-            let vy = self
-                .spin
-                .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
             if FRICTION {
                 across = nx.mul_add(vy, -(ny * vx));
             }

@@ -164,6 +164,12 @@ impl<S: Simd> Lanes<S> {
         self.with(self.simd.max_f64s(self.values, other.values))
     }
 
+    /// Return the smaller number; undefined if one is NaN.
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        self.with(self.simd.min_f64s(self.values, other.values))
+    }
+
     /// Return the largest of all lanes.
     #[inline(always)]
     pub(crate) fn greatest(self) -> f64 {

@@ -80,7 +80,8 @@ pub(super) struct Hinges<
     pub(super) rear_force: [&'a mut [S::f64s]; 2],
     bushing: [&'a mut [S::f64s]; 2],
     bushing_velocity: [&'a mut [S::f64s]; 2],
-    pub(super) moved_squared: Lanes<S>,
+    moved_squared: Lanes<S>,
+    speed_squared: Lanes<S>,
     pub(super) changed: bool,
     /// Whether powers are requested.
     pub(super) powers: bool,
@@ -152,6 +153,7 @@ impl<
             bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
             bushing_velocity: both_mut::<S>(&mut arrays.bushing_velocity, 0, blocks),
             moved_squared: splat(0.0),
+            speed_squared: splat(0.0),
             changed: false,
             powers: joints.powers,
             power: PartialSums::default(),
@@ -211,6 +213,7 @@ impl<
         let powers = self.powers;
         ChainFound {
             moved_squared: self.moved_squared.greatest(),
+            speed_squared: self.speed_squared.greatest(),
             changed: self.changed,
             dissipated: self.power.total_if(powers && DAMPED),
             friction_power: self.friction_power.total_if(powers && FRICTION),
@@ -335,7 +338,8 @@ impl<
         }
     }
 
-    /// Write centres and velocities of the bushings of these hinges; update their largest squared distance from the references.
+    /// Write centres and velocities of the bushings of these hinges; update their largest squared distance from the references,
+    /// and their largest squared speed. Lanes behind the last hinge have neither.
     #[inline(always)]
     fn place_bushings(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
         let simd = self.clearance.simd();
@@ -347,7 +351,10 @@ impl<
         let dx = x - load(simd, &self.reference[0][i]);
         let dy = y - load(simd, &self.reference[1][i]);
         self.moved_squared = self.moved_squared.max(dx.mul_add(dx, dy * dy));
-        self.bushing_velocity[0][i] = on_front.select(front.vx, rear.vx).values();
-        self.bushing_velocity[1][i] = on_front.select(front.vy, rear.vy).values();
+        let vx = on_front.select(front.vx, rear.vx);
+        let vy = on_front.select(front.vy, rear.vy);
+        self.bushing_velocity[0][i] = vx.values();
+        self.bushing_velocity[1][i] = vy.values();
+        self.speed_squared = self.speed_squared.max(vx.mul_add(vx, vy * vy));
     }
 }

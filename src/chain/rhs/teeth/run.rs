@@ -11,9 +11,9 @@ use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::rhs::pose::SprocketPose;
 use crate::chain::rhs::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
 use crate::geometry::Vec2;
-use crate::math::simd::{both, both_mut, vectors, vectors_mut};
+use crate::math::simd::{Numbers, both, both_mut, vectors, vectors_mut};
 
-/// Arrays of one run in SIMD vectors; those of gaps and centres, which change bushing by bushing, as numbers.
+/// Arrays of one run in SIMD vectors; numbers of gaps and centres bushing by bushing.
 pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) bushing: [&'a [S::f64s]; 2],
     pub(super) velocity: [&'a [S::f64s]; 2],
@@ -28,8 +28,10 @@ pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) friction_arrays: FrictionArrays<'a, S>,
     centers: [&'a [f64]; 2],
     gap: &'a mut [u32],
-    pub(super) gap_cos: &'a mut [f64],
-    pub(super) gap_sin: &'a mut [f64],
+    pub(super) gap_cos: &'a mut [S::f64s],
+    pub(super) gap_sin: &'a mut [S::f64s],
+    /// Signed depths and their rates for the event screening.
+    pub(super) ends: Option<[&'a mut [S::f64s]; 2]>,
 }
 
 /// Arrays of one run that friction reads and writes; empty without friction.
@@ -52,6 +54,7 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
         arrays: &'a mut ChainArrays,
         candidates: &'a mut SprocketCandidates,
         slopes: Option<&'a mut ContactSlopes>,
+        ends: Option<&'a mut [Numbers; 2]>,
     ) -> Self {
         let Run {
             first,
@@ -94,8 +97,9 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             friction_arrays,
             centers: [&x[first..], &y[first..]],
             gap: &mut candidates.gap[slot..],
-            gap_cos: &mut candidates.gap_cos[slot..],
-            gap_sin: &mut candidates.gap_sin[slot..],
+            gap_cos: vectors_mut::<S>(&mut candidates.gap_cos[slot..], blocks),
+            gap_sin: vectors_mut::<S>(&mut candidates.gap_sin[slot..], blocks),
+            ends: ends.map(|ends| both_mut::<S>(ends, slot, blocks)),
         }
     }
 
@@ -115,7 +119,9 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
                 pose.direction,
             );
             self.gap[j] = number;
-            (self.gap_cos[j], self.gap_sin[j]) = sprocket.gap_directions[number as usize];
+            let (cos, sin) = sprocket.gap_directions[number as usize];
+            pulp::bytemuck::cast_slice_mut(self.gap_cos)[j] = cos;
+            pulp::bytemuck::cast_slice_mut(self.gap_sin)[j] = sin;
         }
     }
 }
