@@ -136,7 +136,9 @@ impl Dynamics {
     fn accelerate(&mut self, t: f64, y: &[f64], accelerations: &mut [f64]) {
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
         kernels.keep_powers(self.keeps_energy);
-        self.powers = kernels.accelerations(model, memory, t, y, accelerations);
+        if let Some(powers) = kernels.accelerations(model, memory, t, y, accelerations) {
+            self.powers = powers;
+        }
     }
 
     /// Evaluate the right-hand side at (`t`, `y`) and discard the derivative.

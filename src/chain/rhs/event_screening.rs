@@ -17,7 +17,7 @@ use crate::chain::contact::{Candidates, Run, SprocketCandidates};
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 use crate::math::simd::{
-    Lanes, Mask, Numbers, WIDTH, both, both_mut, load, padded_zeros, vectors,
+    Lanes, Mask, Numbers, WIDTH, both, both_mut, load, no_lane, padded_zeros, vectors,
 };
 
 /// Maximum over a step of the part of a cubic that a slope at one end contributes: 4/27 of slope times length.
@@ -276,7 +276,7 @@ impl JointEnds<'_> {
         let end = both_mut::<S>(&mut self.ends.end, 0, blocks);
         let distance_squared = vectors::<S>(&self.arrays.distance_squared, blocks);
         let along = vectors::<S>(&self.arrays.along, blocks);
-        let mut possible = length.less(length);
+        let mut possible = no_lane(simd);
         for i in 0..blocks {
             // Signed depth (d² - c²)/(2 c) with the clearance c, and its rate (e · de/dt)/c.
             let depth = load(simd, &distance_squared[i]).mul_add(scale, -half_clearance);

@@ -148,7 +148,7 @@ impl Kernels {
         t: f64,
         y: &[f64],
         accelerations: &mut [f64],
-    ) -> Powers {
+    ) -> Option<Powers> {
         self.place_sprockets(model, t, y);
         self.accelerate_placed(model, memory, t, y, accelerations)
     }
@@ -161,7 +161,7 @@ impl Kernels {
         t: f64,
         y: &[f64],
         accelerations: &mut [f64],
-    ) -> Powers {
+    ) -> Option<Powers> {
         let losses = self.evaluate_forces(model, memory, y, accelerations);
         self.put_bristles(model, accelerations);
         self.accelerate_links(model, accelerations);
@@ -170,11 +170,7 @@ impl Kernels {
             Self::move_ends(ends, t, accelerations);
         }
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
-        if self.keeps_powers {
-            self.all_powers(model, losses, t)
-        } else {
-            Powers::default()
-        }
+        self.keeps_powers.then(|| self.all_powers(model, losses, t))
     }
 
     /// Return the powers at (`t`, `y`) without accelerations. `bristle_rates` as for [`Self::evaluate_joints`].

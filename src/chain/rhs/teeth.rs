@@ -16,7 +16,9 @@ use crate::chain::model::SprocketModel;
 use crate::force_law::{
     ContactLane, ElasticLaw, Friction, RegularizedFriction, RestitutionDamping,
 };
-use crate::math::simd::{Lanes, Mask, Numbers, PartialSums, lane_numbers, load, splat_two};
+use crate::math::simd::{
+    Lanes, Mask, Numbers, PartialSums, lane_numbers, load, no_lane, splat_two,
+};
 use run::RunOfBushings;
 
 /// Loads of the chain on a sprocket, and the other results of the loop over its teeth.
@@ -95,7 +97,7 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
             },
             keeps_stiffness: self.keeps_stiffness,
             powers: self.powers,
-            changed: false,
+            changed: no_lane(simd),
             sums: [PartialSums::default(); 4],
             friction_power: PartialSums::default(),
             rubbing: None,
@@ -122,13 +124,15 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 run.friction_arrays.bristles = Some(bristles.lanes(simd, slot, run.depth.len()));
             }
+            let mut left = splat(length as f64);
             for b in 0..length.div_ceil(S::F64_LANES) {
-                let from = b * S::F64_LANES;
-                let valid = lane_numbers(simd).less(splat((length - from) as f64));
+                let valid = lane_numbers(simd).less(left);
+                left = left - splat(S::F64_LANES as f64);
                 let arm = teeth.arm(b, &run);
                 let mut place = teeth.place(b, arm, &run);
                 // Some bushing is nearer to an adjacent gap: assign the gaps of this vector again.
                 if teeth.gap.left(&place).and(valid).any() {
+                    let from = b * S::F64_LANES;
                     let lanes = from..length.min(from + S::F64_LANES);
                     run.assign_gaps(self.sprocket, self.pose, lanes);
                     place = teeth.place(b, arm, &run);
@@ -140,7 +144,7 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
         TeethFound {
             force: [x.total(), y.total()],
             moment: moment.total(),
-            changed: teeth.changed,
+            changed: teeth.changed.any(),
             dissipated: dissipated.total_if(self.powers && DAMPED),
             friction_power: teeth.friction_power.total_if(self.powers && FRICTION),
         }
@@ -159,7 +163,8 @@ struct Teeth<S: Simd, G, L, const DAMPED: bool, const FRICTION: bool, const BRIS
     keeps_stiffness: bool,
     /// Whether powers are requested.
     powers: bool,
-    changed: bool,
+    /// Candidates whose contact state differs from the impact velocity memory.
+    changed: Mask<S>,
     /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
     sums: [PartialSums; 4],
     /// Power dissipated by friction \[W\].
@@ -245,13 +250,13 @@ impl<
             if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
                 bristles.clear_rates(b);
             }
-            self.changed |= remembered.any();
+            self.changed = self.changed.or(remembered);
             return;
         }
         let (depth, [nx, ny], curvature) = self.gap.depth(&surface, place);
         let depth = near.select(depth.positive_part(), zero);
         let touching = depth.exceeds(zero);
-        self.changed |= touching.differs(remembered).any();
+        self.changed = self.changed.or(touching.differs(remembered));
 
         let mut law_constants = self.gap.law_constants(&surface);
         if self.keeps_stiffness {

@@ -86,6 +86,13 @@ pub(crate) fn lane_numbers<S: Simd>(simd: S) -> Lanes<S> {
     load(simd, &vectors::<S>(&NUMBERS, 1)[0])
 }
 
+/// Return a mask that is false in all lanes.
+#[inline(always)]
+pub(crate) fn no_lane<S: Simd>(simd: S) -> Mask<S> {
+    let zero = Lanes::splat(simd, 0.0);
+    zero.less(zero)
+}
+
 impl<S: Simd> Lanes<S> {
     /// Return the same number in all lanes.
     #[inline(always)]

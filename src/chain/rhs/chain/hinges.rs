@@ -15,7 +15,8 @@ use crate::force_law::{
     ContactLane, ElasticLaw, FilmLaw, RegularizedFriction, RestitutionDamping, depth_in_series,
 };
 use crate::math::simd::{
-    Lanes, Numbers, PartialSums, both, both_mut, load, splat_two, vectors, vectors_mut,
+    Lanes, Mask, Numbers, PartialSums, both, both_mut, load, no_lane, splat_two, vectors,
+    vectors_mut,
 };
 
 /// Input for all hinges of one loop.
@@ -82,7 +83,8 @@ pub(super) struct Hinges<
     bushing_velocity: [&'a mut [S::f64s]; 2],
     moved_squared: Lanes<S>,
     speed_squared: Lanes<S>,
-    pub(super) changed: bool,
+    /// Hinges whose contact state differs from the impact velocity memory. (A sum over masks costs less than one over flags.)
+    changed: Mask<S>,
     /// Whether powers are requested.
     pub(super) powers: bool,
     /// Power dissipated by damping \[W\].
@@ -154,7 +156,7 @@ impl<
             bushing_velocity: both_mut::<S>(&mut arrays.bushing_velocity, 0, blocks),
             moved_squared: splat(0.0),
             speed_squared: splat(0.0),
-            changed: false,
+            changed: no_lane(simd),
             powers: joints.powers,
             power: PartialSums::default(),
             friction_power: PartialSums::default(),
@@ -214,7 +216,7 @@ impl<
         ChainFound {
             moved_squared: self.moved_squared.greatest(),
             speed_squared: self.speed_squared.greatest(),
-            changed: self.changed,
+            changed: self.changed.any(),
             dissipated: self.power.total_if(powers && DAMPED),
             friction_power: self.friction_power.total_if(powers && FRICTION),
             film_power: self.film_power.total_if(powers && EXTRA),
@@ -255,7 +257,7 @@ impl<
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 bristles.clear_rates(i);
             }
-            self.changed |= has_memory.any();
+            self.changed = self.changed.or(has_memory);
             return false;
         }
         let distance = distance_squared.sqrt();
@@ -265,7 +267,7 @@ impl<
         let touching = depth.exceeds(zero);
         // A contact without memory begins in this step, a memory without contact ends: finish_step looks for the event. Forces of this
         // step use the present rate (ContactLane::damped).
-        self.changed |= touching.differs(has_memory).any();
+        self.changed = self.changed.or(touching.differs(has_memory));
         let mut contact_depth = depth;
         // Contact and plates in series: the contact's own penetration.
         if EXTRA && let Some(compliance) = self.compliance {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use pulp::Simd;
+use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
 use crate::chain::contact::{Run, SprocketCandidates, gap_of};
 use crate::chain::model::SprocketModel;
@@ -13,7 +14,7 @@ use crate::chain::rhs::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
 use crate::geometry::Vec2;
 use crate::math::simd::{Numbers, both, both_mut, vectors, vectors_mut};
 
-/// Arrays of one run in SIMD vectors; numbers of gaps and centres bushing by bushing.
+/// Arrays of one run in SIMD vectors; numbers of gaps bushing by bushing.
 pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) bushing: [&'a [S::f64s]; 2],
     pub(super) velocity: [&'a [S::f64s]; 2],
@@ -26,7 +27,6 @@ pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) rear_force: [&'a mut [S::f64s]; 2],
     pub(super) slopes: Option<&'a mut [SlopeGroup]>,
     pub(super) friction_arrays: FrictionArrays<'a, S>,
-    centers: [&'a [f64]; 2],
     gap: &'a mut [u32],
     pub(super) gap_cos: &'a mut [S::f64s],
     pub(super) gap_sin: &'a mut [S::f64s],
@@ -79,7 +79,6 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             friction_arrays.friction = vectors_mut::<S>(&mut candidates.friction[slot..], blocks);
             friction_arrays.slopes = friction_slopes;
         }
-        let [x, y] = &arrays.bushing;
         Self {
             bushing: both::<S>(&arrays.bushing, first, blocks),
             velocity: both::<S>(&arrays.bushing_velocity, first, blocks),
@@ -95,7 +94,6 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1 + first, blocks),
             slopes,
             friction_arrays,
-            centers: [&x[first..], &y[first..]],
             gap: &mut candidates.gap[slot..],
             gap_cos: vectors_mut::<S>(&mut candidates.gap_cos[slot..], blocks),
             gap_sin: vectors_mut::<S>(&mut candidates.gap_sin[slot..], blocks),
@@ -112,7 +110,7 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
         bushings: Range<usize>,
     ) {
         for j in bushings {
-            let [x, y] = self.centers.map(|axis| axis[j]);
+            let [x, y] = self.bushing.map(|axis| cast_slice::<_, f64>(axis)[j]);
             let number = gap_of(
                 sprocket,
                 Vec2::new(x, y) - Vec2::from(pose.center),
@@ -120,8 +118,8 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             );
             self.gap[j] = number;
             let (cos, sin) = sprocket.gap_directions[number as usize];
-            pulp::bytemuck::cast_slice_mut(self.gap_cos)[j] = cos;
-            pulp::bytemuck::cast_slice_mut(self.gap_sin)[j] = sin;
+            cast_slice_mut(self.gap_cos)[j] = cos;
+            cast_slice_mut(self.gap_sin)[j] = sin;
         }
     }
 }
