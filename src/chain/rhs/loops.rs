@@ -212,11 +212,6 @@ impl Kernels {
             (ContactKind::Teeth, model.teeth.bristles.as_ref()),
             model.teeth.contact_radius,
         );
-        let ends = if self.writes_gaps {
-            Some(self.watch.tooth_ends(s))
-        } else {
-            None
-        };
         let (links, arrays) = match &mut self.rollers {
             Some(rollers) => (&rollers.constants, &mut rollers.arrays),
             None => (&self.links, &mut self.chain),
@@ -242,7 +237,8 @@ impl Kernels {
                         candidates: &mut self.candidates.sprockets[s],
                         powers: self.keeps_powers,
                         slopes,
-                        ends,
+                        ends: self.watch.tooth_ends(s),
+                        writes_ends: self.writes_gaps,
                         friction,
                         bristles,
                     })

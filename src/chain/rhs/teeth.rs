@@ -68,8 +68,9 @@ pub(crate) struct EvaluateTeeth<
     pub(crate) powers: bool,
     /// Output for the slopes of the forces and of friction, slot by slot, if requested.
     pub(crate) slopes: Option<&'a mut ContactSlopes>,
-    /// Output for signed depths and their rates, slot by slot, if requested.
-    pub(crate) ends: Option<&'a mut [Numbers; 2]>,
+    /// Signed depths and their rates for the event screening, slot by slot, and whether to write them.
+    pub(crate) ends: &'a mut [Numbers; 2],
+    pub(crate) writes_ends: bool,
     /// Friction for `FRICTION`.
     pub(crate) friction: Option<ToothFriction<'a>>,
     /// Bristles for `BRISTLED`, slot by slot.
@@ -97,6 +98,7 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
             },
             keeps_stiffness: self.keeps_stiffness,
             powers: self.powers,
+            writes_ends: self.writes_ends,
             changed: no_lane(simd),
             sums: [PartialSums::default(); 4],
             friction_power: PartialSums::default(),
@@ -119,7 +121,7 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
                 &mut *self.arrays,
                 &mut *self.candidates,
                 self.slopes.as_deref_mut(),
-                self.ends.as_deref_mut(),
+                &mut *self.ends,
             );
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 run.friction_arrays.bristles = Some(bristles.lanes(simd, slot, run.depth.len()));
@@ -132,9 +134,7 @@ impl<C: GapConstants, L: ElasticLaw, const DAMPED: bool, const FRICTION: bool, c
                 let mut place = teeth.place(b, arm, &run);
                 // Some bushing is nearer to an adjacent gap: assign the gaps of this vector again.
                 if teeth.gap.left(&place).and(valid).any() {
-                    let from = b * S::F64_LANES;
-                    let lanes = from..length.min(from + S::F64_LANES);
-                    run.assign_gaps(self.sprocket, self.pose, lanes);
+                    run.assign_gaps(self.sprocket, self.pose, b, length);
                     place = teeth.place(b, arm, &run);
                 }
                 teeth.touch(b, arm, &place, valid, &mut run);
@@ -163,6 +163,7 @@ struct Teeth<S: Simd, G, L, const DAMPED: bool, const FRICTION: bool, const BRIS
     keeps_stiffness: bool,
     /// Whether powers are requested.
     powers: bool,
+    writes_ends: bool,
     /// Candidates whose contact state differs from the impact velocity memory.
     changed: Mask<S>,
     /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
@@ -221,11 +222,11 @@ impl<
         let vy = self
             .spin
             .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
-        if let Some([gap, rate]) = &mut run.ends {
+        if self.writes_ends {
             let [found, change] = self.gap.gap_and_rate(&surface, place, [vx, vy]);
-            gap[b] = found.values();
+            run.ends[0][b] = found.values();
             // A rate of zero: no event behind the last bushing of the run.
-            rate[b] = valid.select(change, zero).values();
+            run.ends[1][b] = valid.select(change, zero).values();
         }
         let near = self.gap.near(&surface).and(valid);
         let inverse_impact_velocity = at(run.inverse_impact_velocity);

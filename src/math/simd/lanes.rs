@@ -200,7 +200,7 @@ impl<S: Simd> Lanes<S> {
                 .less(self.constant(count as f64 - 0.5))
                 .select(turned, self.constant(0.0));
         }
-        let mut numbers = [0.0; 2 * WIDTH];
+        let mut numbers = [0.0; WIDTH];
         vectors_mut::<S>(&mut numbers, 1)[0] = self.values;
         numbers[count] = next;
         load(self.simd, &vectors::<S>(&numbers[1..], 1)[0])

@@ -1,7 +1,5 @@
 //! Arrays of one run of candidates in SIMD vectors: successive bushings in successive slots.
 
-use std::ops::Range;
-
 use pulp::Simd;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
@@ -31,7 +29,7 @@ pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) gap_cos: &'a mut [S::f64s],
     pub(super) gap_sin: &'a mut [S::f64s],
     /// Signed depths and their rates for the event screening.
-    pub(super) ends: Option<[&'a mut [S::f64s]; 2]>,
+    pub(super) ends: [&'a mut [S::f64s]; 2],
 }
 
 /// Arrays of one run that friction reads and writes; empty without friction.
@@ -54,7 +52,7 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
         arrays: &'a mut ChainArrays,
         candidates: &'a mut SprocketCandidates,
         slopes: Option<&'a mut ContactSlopes>,
-        ends: Option<&'a mut [Numbers; 2]>,
+        ends: &'a mut [Numbers; 2],
     ) -> Self {
         let Run {
             first,
@@ -97,19 +95,20 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             gap: &mut candidates.gap[slot..],
             gap_cos: vectors_mut::<S>(&mut candidates.gap_cos[slot..], blocks),
             gap_sin: vectors_mut::<S>(&mut candidates.gap_sin[slot..], blocks),
-            ends: ends.map(|ends| both_mut::<S>(ends, slot, blocks)),
+            ends: both_mut::<S>(ends, slot, blocks),
         }
     }
 
-    /// Assign the nearest gap to each of these bushings of the run.
+    /// Assign the nearest gap to each bushing of vector `b` of a run of `length` bushings.
     #[inline(always)]
     pub(super) fn assign_gaps(
         &mut self,
         sprocket: &SprocketModel,
         pose: &SprocketPose,
-        bushings: Range<usize>,
+        b: usize,
+        length: usize,
     ) {
-        for j in bushings {
+        for j in (0..length).skip(b * S::F64_LANES).take(S::F64_LANES) {
             let [x, y] = self.bushing.map(|axis| cast_slice::<_, f64>(axis)[j]);
             let number = gap_of(
                 sprocket,
