@@ -141,12 +141,14 @@ impl Dynamics {
         }
     }
 
-    /// Evaluate the right-hand side at (`t`, `y`) and discard the derivative.
+    /// Evaluate the right-hand side at (`t`, `y`) outside of a step and discard the derivative.
     ///
     /// The results are penetrations and forces of contacts, and the powers with energy metering on.
     pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
         let mut derivative = std::mem::take(&mut self.slope);
+        let writes_gaps = self.kernels.write_gaps(false);
         self.derivative(t, y, &mut derivative);
+        self.kernels.write_gaps(writes_gaps);
         self.slope = derivative;
     }
 

@@ -135,9 +135,9 @@ impl Kernels {
         self.keeps_powers = keep;
     }
 
-    /// Switch on or off the gaps for the event screening for the next evaluations.
-    pub(crate) fn write_gaps(&mut self, write: bool) {
-        self.writes_gaps = write;
+    /// Switch on or off the gaps for the event screening for the next evaluations; return what it was.
+    pub(crate) fn write_gaps(&mut self, write: bool) -> bool {
+        std::mem::replace(&mut self.writes_gaps, write)
     }
 
     /// Write the accelerations at (`t`, `y`) into `accelerations`, coordinate by coordinate; return the powers where they are kept.
@@ -184,9 +184,9 @@ impl Kernels {
     ) -> Powers {
         self.place_sprockets(model, t, y);
         self.keep_powers(true);
-        let writes_gaps = std::mem::take(&mut self.writes_gaps);
+        let writes_gaps = self.write_gaps(false);
         let losses = self.evaluate_forces(model, memory, y, bristle_rates);
-        self.writes_gaps = writes_gaps;
+        self.write_gaps(writes_gaps);
         self.all_powers(model, losses, t)
     }
 
