@@ -7,7 +7,7 @@ use crate::chain::contact::{HingePath, RollerPath, ToothJump, ToothJumps, ToothP
 use crate::chain::model::Model;
 use crate::geometry::Surface;
 use crate::integrator::event_location::onset_in_step;
-use crate::integrator::{Adams, Step};
+use crate::integrator::{Adams, OdeSystem, Step};
 
 /// Contact pair: hinge, bushing and roller, or bushing and sprocket (sprocket · links + bushing).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -117,11 +117,17 @@ impl Dynamics {
             self.memory.tooth_surface[sprocket * self.model.links + bushing] = surface;
         }
         self.kernels.candidates.invalidate();
-        // Event screening needs the gaps at the start of the first step.
-        self.differentiate(t, y);
-        self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
-        self.kernels.watch.advance();
+        self.begin_watch(t, y);
         self.look_for_jumps(t);
+    }
+
+    /// Evaluate at (`t`, `y`), the start of the first step: event screening needs the gaps there.
+    pub(super) fn begin_watch(&mut self, t: f64, y: &[f64]) {
+        let mut derivative = std::mem::take(&mut self.slope);
+        self.derivative(t, y, &mut derivative);
+        self.slope = derivative;
+        self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
+        self.kernels.advance_watch();
     }
 
     /// Return bushing, sprocket and surface, from 0, of all tooth contacts with a memory.
@@ -182,7 +188,7 @@ impl Dynamics {
         if std::mem::take(&mut self.events.event_possible) {
             self.look_inside(adams, step);
         }
-        self.kernels.watch.advance();
+        self.kernels.advance_watch();
         self.watch_ranges(adams);
         // Steps are far shorter than a gap. After a displacement of more than half a pitch, the number of passed teeth is ambiguous.
         let farthest = self.events.fastest * (step.end - step.start);

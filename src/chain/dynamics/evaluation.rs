@@ -83,7 +83,7 @@ impl Dynamics {
         );
         self.read_hinges();
         self.read_teeth();
-        powers
+        powers.unwrap_or_default()
     }
 
     /// Evaluate the outputs requested by `needs` at (`t`, `y`). Other outputs are undefined afterwards.

@@ -136,15 +136,19 @@ impl Dynamics {
     fn accelerate(&mut self, t: f64, y: &[f64], accelerations: &mut [f64]) {
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
         kernels.keep_powers(self.keeps_energy);
-        self.powers = kernels.accelerations(model, memory, t, y, accelerations);
+        if let Some(powers) = kernels.accelerations(model, memory, t, y, accelerations) {
+            self.powers = powers;
+        }
     }
 
-    /// Evaluate the right-hand side at (`t`, `y`) and discard the derivative.
+    /// Evaluate the right-hand side at (`t`, `y`) outside of a step and discard the derivative.
     ///
     /// The results are penetrations and forces of contacts, and the powers with energy metering on.
     pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
         let mut derivative = std::mem::take(&mut self.slope);
+        let writes_gaps = self.kernels.write_gaps(false);
         self.derivative(t, y, &mut derivative);
+        self.kernels.write_gaps(writes_gaps);
         self.slope = derivative;
     }
 
@@ -166,7 +170,10 @@ impl OdeSystem for Dynamics {
     fn accepts_step(&mut self, length: f64, allowed: f64) -> bool {
         let watched = self.kernels.watch(&self.model, length);
         (self.events.event_possible, self.events.fastest) = (watched.event_possible, watched.speed);
-        !watched.event_possible || self.deepest_unseen(length) <= allowed
+        let accepts = !watched.event_possible || self.deepest_unseen(length) <= allowed;
+        // An explicit step evaluates its solution after this: what is screened is the end of the step.
+        self.kernels.write_gaps(!accepts);
+        accepts
     }
 
     fn dimension(&self) -> usize {

@@ -50,14 +50,10 @@ impl Dynamics {
         self.events.parted.clear();
         self.events.jumps.remove_after(&self.model, t);
         self.kernels.candidates.invalidate();
-        let mut derivative = std::mem::take(&mut self.slope);
-        crate::integrator::OdeSystem::derivative(self, t, y, &mut derivative);
-        self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
-        self.kernels.watch.advance();
+        self.begin_watch(t, y);
         if self.keeps_energy {
             self.quadrature.begin(t, self.powers);
         }
-        self.slope = derivative;
     }
 
     /// Remove the onset of an open pair from the counts, unless the pair ended in the last step: that onset was before the step.

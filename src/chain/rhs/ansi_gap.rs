@@ -24,7 +24,8 @@ pub(crate) struct AnsiGap {
     topping_center: [f64; 2],
     topping_distance: f64,
     bushing_radius: f64,
-    /// 1/(2 D) of seat, working curve and tip, where D is the distance of the centres at which bushing and curve touch \[1/m\].
+    /// 1/(2 D) of seat and working curve, and -1/(2 D) of the tip, which is convex. D is the distance of the centres at which bushing and
+    /// curve touch \[1/m\].
     half_over_touch: [f64; 3],
     /// Cosine and sine of half the angle between adjacent gaps.
     half_gap: [f64; 2],
@@ -64,7 +65,7 @@ impl AnsiGap {
             half_over_touch: [
                 0.5 / (curves.seating.radius - radius),
                 0.5 / (curves.working.radius - radius),
-                0.5 / (curves.topping.radius + radius),
+                -0.5 / (curves.topping.radius + radius),
             ],
             half_gap: [cos, sin],
             law: [0, 1].map(|i| law.map(|constants| constants[i])),
@@ -235,7 +236,7 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
     ) -> [Lanes<S>; 2] {
         let [seat, work, top] = self.constants.half_over_touch;
         let (seating, working) = (surface.seating, surface.working);
-        let rest = working.select(self.splat(work), self.splat(-top));
+        let rest = working.select(self.splat(work), self.splat(top));
         let scale = seating.select(self.splat(seat), rest);
         let [right, outward] = place.in_gap(place.on_left(), velocity);
         let touch = surface.touch;

@@ -9,8 +9,8 @@ use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
-    Lanes, WIDTH, lane_numbers, load, packs, packs_mut, part_of, partial_load, parts, put_part,
-    sin_cos, vectors, vectors_mut,
+    Lanes, Pack, WIDTH, lane_numbers, load, packs, packs_mut, partial_load, sin_cos, vectors,
+    vectors_mut,
 };
 use ends::{Arms, End, Links, behind_last, last_links};
 use hinges::Hinges;
@@ -24,6 +24,8 @@ pub(crate) use rollers::{EvaluateRollers, Rollers};
 pub(crate) struct ChainFound {
     /// Largest squared distance of a bushing from its reference \[m²\].
     pub(crate) moved_squared: f64,
+    /// Largest squared speed of a bushing \[m²/s²\].
+    pub(crate) speed_squared: f64,
     /// Whether the contact state of a hinge differs from the impact velocity memory: contact without memory, or memory without
     /// contact.
     pub(crate) changed: bool,
@@ -159,7 +161,7 @@ fn write_directions<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut 
 /// Write cosines and sines of the sprockets' angles.
 #[inline(always)]
 fn write_sprocket_directions<S: Simd>(simd: S, arrays: &mut ChainArrays) {
-    let blocks = arrays.sprocket_angle.len() / S::F64_LANES;
+    let blocks = arrays.sprockets.div_ceil(S::F64_LANES);
     let angle = vectors::<S>(&arrays.sprocket_angle, blocks);
     let cos = vectors_mut::<S>(&mut arrays.sprocket_cos, blocks);
     let sin = vectors_mut::<S>(&mut arrays.sprocket_sin, blocks);
@@ -180,47 +182,52 @@ impl WithSimd for RepeatBushings<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let (n, overhang) = (self.links, self.overhang);
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let n = self.links;
+        let count = self.overhang.div_ceil(WIDTH);
         let ChainArrays {
-            front_force,
-            rear_force,
-            bushing,
-            bushing_velocity,
+            front_force: [front_x, front_y],
+            rear_force: [rear_x, rear_y],
+            bushing: [x, y],
+            bushing_velocity: [vx, vy],
             ..
         } = self.arrays;
-        let count = overhang.div_ceil(WIDTH);
-        let [x, y] = bushing;
-        let [vx, vy] = bushing_velocity;
-        for array in [x, y, vx, vy] {
-            repeat(simd, array, n, count);
+        let (rear_x, rear_y) = (&mut rear_x[FIRST + 1..], &mut rear_y[FIRST + 1..]);
+        // Packs that do not overlap their copies: all of them, unless nearly the whole chain is copied.
+        let whole = count.min(n / WIDTH);
+        {
+            let [(x, to_x), (y, to_y), (vx, to_vx), (vy, to_vy)] = [
+                first_packs(x, n, whole),
+                first_packs(y, n, whole),
+                first_packs(vx, n, whole),
+                first_packs(vy, n, whole),
+            ];
+            let [to_front_x, to_front_y, to_rear_x, to_rear_y] = [
+                packs_mut(&mut front_x[n..], whole),
+                packs_mut(&mut front_y[n..], whole),
+                packs_mut(&mut rear_x[n..], whole),
+                packs_mut(&mut rear_y[n..], whole),
+            ];
+            for i in 0..whole {
+                (to_x[i], to_y[i], to_vx[i], to_vy[i]) = (x[i], y[i], vx[i], vy[i]);
+                (to_front_x[i], to_front_y[i]) = ([0.0; WIDTH], [0.0; WIDTH]);
+                (to_rear_x[i], to_rear_y[i]) = ([0.0; WIDTH], [0.0; WIDTH]);
+            }
         }
-        let zero = Lanes::splat(simd, 0.0);
-        let [front_x, front_y] = front_force;
-        let [rear_x, rear_y] = rear_force;
-        for (array, first) in [
-            (front_x, 0),
-            (front_y, 0),
-            (rear_x, FIRST + 1),
-            (rear_y, FIRST + 1),
-        ] {
-            for pack in packs_mut(&mut array[first + n..], count) {
-                for part in parts::<S>() {
-                    put_part(pack, part, zero);
-                }
+        for i in whole * WIDTH..count * WIDTH {
+            for array in [&mut *x, y, vx, vy] {
+                array[n + i] = array[i];
+            }
+            for array in [&mut **front_x, front_y, rear_x, rear_y] {
+                array[n + i] = 0.0;
             }
         }
     }
 }
 
-/// Copy the first packs behind entry `n`.
+/// Return the first `count` packs of an array, and those behind entry `n`.
 #[inline(always)]
-fn repeat<S: Simd>(simd: S, array: &mut [f64], n: usize, count: usize) {
-    for number in 0..count {
-        let from = packs(&array[number * WIDTH..], 1)[0];
-        let to = &mut packs_mut(&mut array[n + number * WIDTH..], 1)[0];
-        for part in parts::<S>() {
-            put_part(to, part, part_of(simd, &from, part));
-        }
-    }
+fn first_packs(array: &mut [f64], n: usize, count: usize) -> (&[Pack], &mut [Pack]) {
+    let (first, behind) = array.split_at_mut(n);
+    (packs(first, count), packs_mut(behind, count))
 }

@@ -4,22 +4,20 @@
 //! A signed depth is (d² - D²)/2D, positive in contact, where d is the distance of two centres and D its value at touch. It needs no
 //! square root, is smooth where the centres coincide, and equals the penetration near zero.
 //!
-//! Values at the end of a step are those of the last evaluation: the predicted value of an explicit step, the last iterate of an
-//! implicit one. Both are within the tolerance of the solution (decision 24).
+//! Values at the end of a step are those of the last evaluation before the screening: the predicted value of an explicit step, the last
+//! iterate of an implicit one. Both are within the tolerance of the solution (decision 24). The evaluation of the teeth has nearest
+//! surface and relative velocity at hand and writes the values of the candidates; the screening compares.
 
 use pulp::{Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
-use super::gap::{Form, Gap, GapConstants};
+use super::Kernels;
 use super::layout::ChainArrays;
-use super::pose::SprocketPose;
-use super::{Kernels, on_teeth};
 use crate::chain::contact::{Candidates, Run, SprocketCandidates};
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 use crate::math::simd::{
-    Lanes, Mask, Numbers, WIDTH, both, both_mut, lane_numbers, load, padded_zeros, splat_two,
-    vectors,
+    Lanes, Mask, Numbers, WIDTH, both, both_mut, load, no_lane, padded_zeros, vectors,
 };
 
 /// Maximum over a step of the part of a cubic that a slope at one end contributes: 4/27 of slope times length.
@@ -127,7 +125,7 @@ impl Watch {
     }
 
     /// Make the end of this step the start of the next one.
-    pub(crate) fn advance(&mut self) {
+    fn advance(&mut self) {
         self.hinges.advance();
         self.rollers.advance();
         self.teeth.iter_mut().for_each(StepEndStates::advance);
@@ -156,26 +154,31 @@ impl Watch {
         })
     }
 
-    /// Move the values of the start to the slots of a new list of candidates; new candidates have unknown values.
-    pub(super) fn follow(&mut self, candidates: &Candidates, links: usize) {
+    /// Return the values at the end of the step of the candidates of sprocket `s`, for an evaluation that writes them.
+    pub(super) fn tooth_ends(&mut self, s: usize) -> &mut [Numbers; 2] {
+        &mut self.teeth[s].end
+    }
+
+    /// Move the values of the start to the slots of a new list of candidates; new candidates have unknown values. `spare` is as long as
+    /// the slots of a sprocket.
+    fn follow(&mut self, candidates: &Candidates, links: usize, spare: &mut Numbers) {
         if self.list == candidates.refreshes() {
             return;
         }
         self.list = candidates.refreshes();
         let sprockets = self.teeth.iter_mut().zip(&mut self.runs);
         for ((ends, runs), candidates) in sprockets.zip(&candidates.sprockets) {
-            let StepEndStates { start, end } = ends;
-            for (start, end) in start.iter().zip(end.iter_mut()) {
-                end.fill(0.0);
+            for start in &mut ends.start {
+                spare.fill(0.0);
                 for (slot, bushing) in candidates.bushings(links) {
                     let before = runs.iter().find_map(|run| {
                         let place = (bushing + links - run.first) % links;
                         (place < run.length).then_some(run.slot + place)
                     });
-                    end[slot] = before.map_or(0.0, |before| start[before]);
+                    spare[slot] = before.map_or(0.0, |before| start[before]);
                 }
+                std::mem::swap(start, spare);
             }
-            std::mem::swap(start, end);
             runs.clear();
             runs.extend_from_slice(&candidates.runs);
         }
@@ -189,16 +192,15 @@ impl Watch {
 #[inline(always)]
 fn may_have_event<S: Simd>(
     length: Lanes<S>,
-    [start, start_rate]: [Lanes<S>; 2],
-    [end, end_rate]: [Lanes<S>; 2],
+    [[start, start_rate], [end, end_rate]]: [[Lanes<S>; 2]; 2],
 ) -> Mask<S> {
     let zero = length.constant(0.0);
-    let least = -(-start).max(-end);
+    let least = start.min(end);
     let rising = start_rate.greater(zero).and(end_rate.less(zero));
     let falling = start_rate.less(zero).and(end_rate.greater(zero));
     // Height of the intersection times (rate at start - rate at end), which is positive here: g0 (-v1) + g1 v0 - h v0 v1.
-    let slopes = start.mul_add(-end_rate, end * start_rate);
-    let peak = (length * start_rate).mul_add(-end_rate, slopes);
+    let slopes = start.negate_mul_add(end_rate, end * start_rate);
+    let peak = (length * start_rate).negate_mul_add(end_rate, slopes);
     let touched = (start.max(end).less(zero))
         .and(rising)
         .and(peak.greater(zero));
@@ -218,50 +220,72 @@ pub(crate) struct Watched {
     pub(crate) speed: f64,
 }
 
-/// Kernel that screens all hinges at the end of a step of `length` \[s\], with the values of the last evaluation. The
-/// speed is that of the bushings.
-pub(super) struct WatchHinges<'a> {
-    pub(super) length: f64,
-    pub(super) links: usize,
-    pub(super) clearance: f64,
-    pub(super) arrays: &'a ChainArrays,
-    pub(super) ends: &'a mut StepEndStates,
+/// Kernel that compares both ends of a step of `length` \[s\]; true where an event is possible.
+///
+/// Evaluations have written the ends of the candidates; those of hinges and rollers follow from the arrays of the last one.
+struct Screen<'a> {
+    length: f64,
+    links: usize,
+    hinges: JointEnds<'a>,
+    rollers: Option<JointEnds<'a>>,
+    teeth: &'a [StepEndStates],
+    candidates: &'a [SprocketCandidates],
 }
 
-impl WithSimd for WatchHinges<'_> {
-    type Output = Watched;
+/// Hinges, or rollers on their bushings, at the end of a step.
+struct JointEnds<'a> {
+    clearance: f64,
+    arrays: &'a ChainArrays,
+    ends: &'a mut StepEndStates,
+}
+
+impl WithSimd for Screen<'_> {
+    type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Watched {
-        let splat = |value| Lanes::splat(simd, value);
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let length = Lanes::splat(simd, self.length);
         let blocks = self.links.div_ceil(S::F64_LANES);
-        let length = splat(self.length);
-        let scale = splat(0.5 / self.clearance);
-        let half_clearance = splat(0.5 * self.clearance);
+        let mut possible = self.hinges.screen(length, blocks);
+        if let Some(rollers) = self.rollers {
+            possible = possible.or(rollers.screen(length, blocks));
+        }
+        for (ends, candidates) in self.teeth.iter().zip(self.candidates) {
+            for run in &candidates.runs {
+                let blocks = run.length.div_ceil(S::F64_LANES);
+                let start = both::<S>(&ends.start, run.slot, blocks);
+                let end = both::<S>(&ends.end, run.slot, blocks);
+                for b in 0..blocks {
+                    let ends = [two(simd, start, b), two(simd, end, b)];
+                    possible = possible.or(may_have_event(length, ends));
+                }
+            }
+        }
+        possible.any()
+    }
+}
+
+impl JointEnds<'_> {
+    /// Write the end of the step; return the joints with a possible event.
+    #[inline(always)]
+    fn screen<S: Simd>(self, length: Lanes<S>, blocks: usize) -> Mask<S> {
+        let simd = length.simd();
+        let scale = length.constant(0.5 / self.clearance);
+        let half_clearance = length.constant(0.5 * self.clearance);
         let start = both::<S>(&self.ends.start, 0, blocks);
         let end = both_mut::<S>(&mut self.ends.end, 0, blocks);
         let distance_squared = vectors::<S>(&self.arrays.distance_squared, blocks);
         let along = vectors::<S>(&self.arrays.along, blocks);
-        let velocity = both::<S>(&self.arrays.bushing_velocity, 0, blocks);
-        let mut event_possible = false;
-        let mut speed_squared = splat(0.0);
+        let mut possible = no_lane(simd);
         for i in 0..blocks {
-            let at = |array: &[S::f64s]| load(simd, &array[i]);
             // Signed depth (d² - c²)/(2 c) with the clearance c, and its rate (e · de/dt)/c.
-            let depth = at(distance_squared).mul_add(scale, -half_clearance);
-            let rate = at(along) * (scale + scale);
-            event_possible |= may_have_event(length, two(simd, start, i), [depth, rate]).any();
+            let depth = load(simd, &distance_squared[i]).mul_add(scale, -half_clearance);
+            let rate = load(simd, &along[i]) * (scale + scale);
             (end[0][i], end[1][i]) = (depth.values(), rate.values());
-            let [vx, vy] = two(simd, velocity, i);
-            let left = splat((self.links - i * S::F64_LANES) as f64);
-            let own = lane_numbers(simd).less(left);
-            let squared = own.select(vx.mul_add(vx, vy * vy), splat(0.0));
-            speed_squared = speed_squared.max(squared);
+            let ends = [two(simd, start, i), [depth, rate]];
+            possible = possible.or(may_have_event(length, ends));
         }
-        Watched {
-            event_possible,
-            speed: speed_squared.greatest().sqrt(),
-        }
+        possible
     }
 }
 
@@ -271,107 +295,44 @@ fn two<S: Simd>(simd: S, arrays: [&[S::f64s]; 2], i: usize) -> [Lanes<S>; 2] {
     [load(simd, &arrays[0][i]), load(simd, &arrays[1][i])]
 }
 
-/// Kernel that screens the candidates of one sprocket; true where an event is possible.
-pub(super) struct WatchTeeth<'a, C> {
-    pub(super) length: f64,
-    pub(super) constants: &'a C,
-    pub(super) pose: &'a SprocketPose,
-    pub(super) arrays: &'a ChainArrays,
-    pub(super) candidates: &'a SprocketCandidates,
-    pub(super) ends: &'a mut StepEndStates,
-}
-
-impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let splat = |value| Lanes::splat(simd, value);
-        let length = splat(self.length);
-        let gaps = self.constants.gap(simd);
-        let (center, own) = (
-            splat_two(simd, self.pose.center),
-            splat_two(simd, self.pose.velocity),
-        );
-        let (direction, spin) = (splat_two(simd, self.pose.direction), splat(self.pose.spin));
-        let mut event_possible = false;
-        for run in &self.candidates.runs {
-            let blocks = run.length.div_ceil(S::F64_LANES);
-            let bushing = both::<S>(&self.arrays.bushing, run.first, blocks);
-            let velocity = both::<S>(&self.arrays.bushing_velocity, run.first, blocks);
-            let gap_cos = vectors::<S>(&self.candidates.gap_cos[run.slot..], blocks);
-            let gap_sin = vectors::<S>(&self.candidates.gap_sin[run.slot..], blocks);
-            let start = both::<S>(&self.ends.start, run.slot, blocks);
-            let end = both_mut::<S>(&mut self.ends.end, run.slot, blocks);
-            for b in 0..blocks {
-                let at = |array: &[S::f64s]| load(simd, &array[b]);
-                let left = splat((run.length - b * S::F64_LANES) as f64);
-                let valid = lane_numbers(simd).less(left);
-                let [x, y] = two(simd, bushing, b);
-                let [x, y] = [x - center[0], y - center[1]];
-                let [vx, vy] = two(simd, velocity, b);
-                let [vx, vy] = [vx - own[0], vy - own[1]];
-                // Velocity of the bushing relative to the rotating sprocket.
-                let relative = [spin.mul_add(y, vx), spin.negate_mul_add(x, vy)];
-                let place = gaps.place([x, y], direction, [at(gap_cos), at(gap_sin)]);
-                let surface = gaps.nearest(&place);
-                let found = gaps.gap_and_rate(&surface, &place, relative);
-                let before = two(simd, start, b);
-                event_possible |= may_have_event(length, before, found).and(valid).any();
-                (end[0][b], end[1][b]) = (found[0].values(), found[1].values());
-            }
-        }
-        event_possible
-    }
-}
-
 impl Kernels {
     /// Screen all contacts for events in a step of `length` \[s\]. The last evaluation must be at its end, see the module.
     pub(crate) fn watch(&mut self, model: &Model, length: f64) -> Watched {
         let n = model.links;
-        self.watch.follow(&self.candidates, n);
-        let mut watched = self.instructions.run(WatchHinges {
+        let Self { watch, rollers, .. } = self;
+        watch.follow(&self.candidates, n, &mut self.spare_slots);
+        let rollers = rollers.as_ref().zip(model.rollers.as_ref());
+        let event_possible = self.instructions.run(Screen {
             length,
             links: n,
-            clearance: model.hinges.clearance,
-            arrays: &self.chain,
-            ends: &mut self.watch.hinges,
-        });
-        if let (Some(rollers), Some(of)) = (&self.rollers, &model.rollers) {
-            let found = self.instructions.run(WatchHinges {
-                length,
-                links: n,
+            hinges: JointEnds {
+                clearance: model.hinges.clearance,
+                arrays: &self.chain,
+                ends: &mut watch.hinges,
+            },
+            rollers: rollers.map(|(rollers, of)| JointEnds {
                 clearance: of.clearance,
                 arrays: &rollers.arrays,
-                ends: &mut self.watch.rollers,
-            });
-            watched.event_possible |= found.event_possible;
-            watched.speed = watched.speed.max(found.speed);
-        }
+                ends: &mut watch.rollers,
+            }),
+            teeth: &watch.teeth,
+            candidates: &self.candidates.sprockets,
+        });
         let mut rim: f64 = 0.0;
-        for (s, ends) in self.watch.teeth.iter_mut().enumerate() {
-            let pose = &self.poses[s];
-            macro_rules! watch {
-                ($constants:expr) => {
-                    self.instructions.run(WatchTeeth {
-                        length,
-                        constants: $constants,
-                        pose,
-                        arrays: on_teeth(&self.chain, self.rollers.as_deref()),
-                        candidates: &self.candidates.sprockets[s],
-                        ends,
-                    })
-                };
-            }
-            watched.event_possible |= match &self.teeth[self.kind[s]].form {
-                Form::Ansi(gap) => watch!(gap),
-                Form::Table(gap) => watch!(gap),
-            };
+        for (sprocket, pose) in model.sprockets.iter().zip(&self.poses) {
             // Bound of the speed of any point of the teeth.
             let center_speed = Vec2::from(pose.velocity).norm();
-            rim = rim.max(center_speed + pose.spin.abs() * model.sprockets[s].reach);
+            rim = rim.max(center_speed + pose.spin.abs() * sprocket.reach);
         }
-        watched.speed += rim;
-        watched
+        Watched {
+            event_possible,
+            speed: self.speed_squared.sqrt() + rim,
+        }
+    }
+
+    /// Begin the next step: its start is the end of this one.
+    pub(crate) fn advance_watch(&mut self) {
+        self.watch.advance();
+        self.write_gaps(true);
     }
 }

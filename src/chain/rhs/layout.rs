@@ -68,6 +68,8 @@ pub(crate) const FIRST: usize = WIDTH - 1;
 /// Arrays of the chain that an evaluation writes.
 #[derive(Debug, Clone)]
 pub(crate) struct ChainArrays {
+    /// Number of sprockets.
+    pub(crate) sprockets: usize,
     /// Angles of the sprockets \[rad\], written before the loop over the chain.
     pub(crate) sprocket_angle: Numbers,
     /// Cosines of these angles.
@@ -115,6 +117,7 @@ impl ChainArrays {
         let twice = || [0, 1].map(|_| once());
         let sprockets = || padded_zeros(model.sprockets.len());
         Self {
+            sprockets: model.sprockets.len(),
             sprocket_angle: sprockets(),
             sprocket_cos: sprockets(),
             sprocket_sin: sprockets(),

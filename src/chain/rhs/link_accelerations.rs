@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
-    Lanes, WIDTH, both, load, packs, packs_mut, part_of, parts, put_part, splat_two, vectors,
+    Lanes, WIDTH, both, load, packs, part_of, parts, put_part, splat_two, vectors,
 };
 
 /// Kernel of the accelerations of all links. `FRICTION`: with moments about the hinges.
@@ -40,16 +40,17 @@ impl<const FRICTION: bool> WithSimd for AccelerateLinks<'_, FRICTION> {
             rear_moment,
             ..
         } = arrays;
+        let count = overhang.div_ceil(WIDTH);
         for force in &mut *front_force {
-            fold_overhang::<S>(simd, force, 0, n, overhang);
+            fold_overhang::<S>(simd, force, n, count);
         }
         for force in &mut *rear_force {
-            fold_overhang::<S>(simd, force, FIRST + 1, n, overhang);
+            fold_overhang::<S>(simd, &mut force[FIRST + 1..], n, count);
             force[FIRST] = force[FIRST + n];
         }
         if FRICTION {
-            fold_overhang::<S>(simd, front_moment, 0, n, overhang);
-            fold_overhang::<S>(simd, rear_moment, FIRST + 1, n, overhang);
+            fold_overhang::<S>(simd, front_moment, n, count);
+            fold_overhang::<S>(simd, &mut rear_moment[FIRST + 1..], n, count);
             rear_moment[FIRST] = rear_moment[FIRST + n];
         }
         let [(x, x_rest), (y, y_rest), (angle, angle_rest)] =
@@ -90,19 +91,21 @@ impl<const FRICTION: bool> WithSimd for AccelerateLinks<'_, FRICTION> {
     }
 }
 
-/// Add the forces that runs of candidates past the last bushing have written behind it to the first links.
+/// Add the forces that runs of candidates past the last bushing have written behind it, in `count` packs, to the first links.
 #[inline(always)]
-fn fold_overhang<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overhang: usize) {
-    let force = &mut force[first..];
-    for from in (0..overhang.div_ceil(WIDTH)).map(|number| number * WIDTH) {
-        let past = packs(&force[n + from..], 1)[0];
-        let place = &mut packs_mut(&mut force[from..], 1)[0];
+fn fold_overhang<S: Simd>(simd: S, force: &mut [f64], n: usize, count: usize) {
+    let (links, past) = force.split_at_mut(n);
+    let (places, last) = links.as_chunks_mut();
+    let past = packs(past, count);
+    for (place, past) in places.iter_mut().zip(past) {
         for part in parts::<S>() {
-            put_part(
-                place,
-                part,
-                part_of(simd, place, part) + part_of(simd, &past, part),
-            );
+            let sum = part_of(simd, place, part) + part_of(simd, past, part);
+            put_part(place, part, sum);
+        }
+    }
+    if let Some(past) = past.get(places.len()) {
+        for (place, past) in last.iter_mut().zip(past) {
+            *place += past;
         }
     }
 }
@@ -127,16 +130,17 @@ impl<const FRICTION: bool> WithSimd for AccelerateRollers<'_, FRICTION> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let n = self.accelerations[0].len();
+        let count = self.overhang.div_ceil(WIDTH);
         let ChainArrays {
             front_force: [x, y],
             front_moment,
             ..
         } = self.arrays;
         for force in [&mut *x, y] {
-            fold_overhang::<S>(simd, force, 0, n, self.overhang);
+            fold_overhang::<S>(simd, force, n, count);
         }
         if FRICTION {
-            fold_overhang::<S>(simd, front_moment, 0, n, self.overhang);
+            fold_overhang::<S>(simd, front_moment, n, count);
         }
         let [to_x, to_y, to_angle] = self.accelerations;
         // Adding 0.0 turns -0.0 into 0.0, as for the links.

@@ -233,6 +233,8 @@ impl Kernels {
                         candidates: &mut self.candidates.sprockets[s],
                         powers: self.keeps_powers,
                         slopes,
+                        ends: self.watch.tooth_ends(s),
+                        writes_ends: self.writes_gaps,
                         friction,
                         bristles,
                     })

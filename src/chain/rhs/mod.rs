@@ -38,7 +38,7 @@ use crate::chain::model::Model;
 use crate::chain::motion::sprocket_motion;
 use crate::chain::newton::NewtonMatrix;
 use crate::geometry::Vec2;
-use crate::math::simd::InstructionSet;
+use crate::math::simd::{InstructionSet, Numbers, padded_zeros};
 
 /// Return the arrays of the bodies on the teeth: the rollers', or the chain's.
 fn on_teeth<'a>(chain: &'a ChainArrays, rollers: Option<&'a Rollers>) -> &'a ChainArrays {
@@ -56,6 +56,8 @@ pub(crate) struct Kernels {
     pub(crate) candidates: Candidates,
     /// Event screening: gaps at both ends of the last step.
     pub(crate) watch: Watch,
+    /// Scratch for the event screening: slots of a sprocket.
+    spare_slots: Numbers,
     /// Constants of the teeth, one per kind of sprocket: sprockets with identical teeth share them.
     teeth: Vec<ToothConstants>,
     /// Index of the constants of each sprocket.
@@ -65,6 +67,8 @@ pub(crate) struct Kernels {
     /// By [`ContactKind`]: whether the contact states of the last evaluation differ from the impact velocity memory. Either a
     /// contact has no memory, or a memory has no contact.
     changed: [bool; 3],
+    /// Largest squared speed of a bushing, or of a roller, at the last evaluation \[m²/s²\].
+    speed_squared: f64,
     /// Newton's matrix, allocated on request.
     newton: Option<Box<NewtonMatrix>>,
     /// Bristles, where friction is modelled by them.
@@ -73,6 +77,8 @@ pub(crate) struct Kernels {
     writes_slopes: bool,
     /// Whether evaluations compute the powers of all forces.
     keeps_powers: bool,
+    /// Whether evaluations write the gaps of the candidates for the event screening.
+    writes_gaps: bool,
     /// Scratch: bushings seated on one sprocket.
     seated: Vec<Seated>,
 }
@@ -97,15 +103,18 @@ impl Kernels {
             rollers: Rollers::of(model).map(Box::new),
             candidates: Candidates::new(model),
             watch: Watch::new(model),
+            spare_slots: padded_zeros(Candidates::most_slots(model)),
             teeth,
             kind,
             poses: vec![SprocketPose::default(); sprockets],
             loads: vec![SprocketLoad::default(); sprockets],
             changed: [true; 3],
+            speed_squared: 0.0,
             newton: None,
             bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
             writes_slopes: false,
             keeps_powers: false,
+            writes_gaps: true,
             seated: Vec::with_capacity(model.links),
         }
     }
@@ -125,6 +134,11 @@ impl Kernels {
         self.keeps_powers = keep;
     }
 
+    /// Switch on or off the gaps for the event screening for the next evaluations; return what it was.
+    pub(crate) fn write_gaps(&mut self, write: bool) -> bool {
+        std::mem::replace(&mut self.writes_gaps, write)
+    }
+
     /// Write the accelerations at (`t`, `y`) into `accelerations`, coordinate by coordinate; return the powers where they are kept.
     pub(crate) fn accelerations(
         &mut self,
@@ -133,7 +147,7 @@ impl Kernels {
         t: f64,
         y: &[f64],
         accelerations: &mut [f64],
-    ) -> Powers {
+    ) -> Option<Powers> {
         self.place_sprockets(model, t, y);
         self.accelerate_placed(model, memory, t, y, accelerations)
     }
@@ -146,7 +160,7 @@ impl Kernels {
         t: f64,
         y: &[f64],
         accelerations: &mut [f64],
-    ) -> Powers {
+    ) -> Option<Powers> {
         let losses = self.evaluate_forces(model, memory, y, accelerations);
         self.put_bristles(model, accelerations);
         self.accelerate_links(model, accelerations);
@@ -155,11 +169,7 @@ impl Kernels {
             Self::move_ends(ends, t, accelerations);
         }
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
-        if self.keeps_powers {
-            self.all_powers(model, losses, t)
-        } else {
-            Powers::default()
-        }
+        self.keeps_powers.then(|| self.all_powers(model, losses, t))
     }
 
     /// Return the powers at (`t`, `y`) without accelerations. `bristle_rates` as for [`Self::evaluate_joints`].
@@ -173,7 +183,9 @@ impl Kernels {
     ) -> Powers {
         self.place_sprockets(model, t, y);
         self.keep_powers(true);
+        let writes_gaps = self.write_gaps(false);
         let losses = self.evaluate_forces(model, memory, y, bristle_rates);
+        self.write_gaps(writes_gaps);
         self.all_powers(model, losses, t)
     }
 
@@ -248,6 +260,9 @@ impl Kernels {
             ..Losses::default()
         };
         let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
+        self.speed_squared = rolling.map_or(chain.speed_squared, |found| {
+            found.speed_squared.max(chain.speed_squared)
+        });
         (moved_squared, losses)
     }
 

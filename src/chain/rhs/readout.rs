@@ -109,7 +109,8 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
 }
 
 impl Kernels {
-    /// Evaluate with the sprockets at the positions of `motion` and everything else at `y`; write accelerations into `rates`.
+    /// Evaluate with the sprockets at the positions of `motion` and everything else at `y`; write accelerations into `rates`, and return
+    /// the powers where they are kept.
     pub(crate) fn evaluate_placed(
         &mut self,
         model: &Model,
@@ -117,8 +118,9 @@ impl Kernels {
         (motion, t): (&Motion, f64),
         y: &[f64],
         rates: &mut [f64],
-    ) -> Powers {
+    ) -> Option<Powers> {
         self.place_sprockets_as(model, motion);
+        self.write_gaps(false);
         self.accelerate_placed(model, memory, t, y, rates)
     }
 
@@ -133,6 +135,7 @@ impl Kernels {
     ) {
         self.place_sprockets_as(model, motion);
         self.keep_powers(false);
+        self.write_gaps(false);
         let (moved_squared, mut losses) = self.evaluate_joints(model, memory, y, rates);
         if teeth {
             self.evaluate_all_teeth(model, memory, (y, moved_squared), rates, &mut losses);

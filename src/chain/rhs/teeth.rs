@@ -14,7 +14,9 @@ use crate::chain::model::SprocketModel;
 use crate::force_law::{
     ContactLane, ElasticLaw, Form, Friction, RegularizedFriction, RestitutionDamping,
 };
-use crate::math::simd::{Lanes, Mask, PartialSums, lane_numbers, load, splat_two, vectors};
+use crate::math::simd::{
+    Lanes, Mask, Numbers, PartialSums, lane_numbers, load, no_lane, splat_two,
+};
 use run::RunOfBushings;
 
 /// Loads of the chain on a sprocket, and the other results of the loop over its teeth.
@@ -64,6 +66,9 @@ pub(crate) struct EvaluateTeeth<
     pub(crate) powers: bool,
     /// Output for the slopes of the forces and of friction, slot by slot, if requested.
     pub(crate) slopes: Option<&'a mut ContactSlopes>,
+    /// Signed depths and their rates for the event screening, slot by slot, and whether to write them.
+    pub(crate) ends: &'a mut [Numbers; 2],
+    pub(crate) writes_ends: bool,
     /// Friction for `FRICTION`.
     pub(crate) friction: Option<ToothFriction<'a>>,
     /// Bristles for `BRISTLED`, slot by slot.
@@ -91,7 +96,8 @@ impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: 
             },
             keeps_stiffness: self.keeps_stiffness,
             powers: self.powers,
-            changed: false,
+            writes_ends: self.writes_ends,
+            changed: no_lane(simd),
             sums: [PartialSums::default(); 4],
             friction_power: PartialSums::default(),
             rubbing: None,
@@ -113,19 +119,20 @@ impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: 
                 &mut *self.arrays,
                 &mut *self.candidates,
                 self.slopes.as_deref_mut(),
+                &mut *self.ends,
             );
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 run.friction_arrays.bristles = Some(bristles.lanes(simd, slot, run.depth.len()));
             }
-            for b in 0..run.depth.len() {
-                let from = b * S::F64_LANES;
-                let valid = lane_numbers(simd).less(splat((length - from) as f64));
+            let mut left = splat(length as f64);
+            for b in 0..length.div_ceil(S::F64_LANES) {
+                let valid = lane_numbers(simd).less(left);
+                left = left - splat(S::F64_LANES as f64);
                 let arm = teeth.arm(b, &run);
                 let mut place = teeth.place(b, arm, &run);
                 // Some bushing is nearer to an adjacent gap: assign the gaps of this vector again.
                 if teeth.gap.left(&place).and(valid).any() {
-                    let lanes = from..length.min(from + S::F64_LANES);
-                    run.assign_gaps(self.sprocket, self.pose, lanes);
+                    run.assign_gaps(self.sprocket, self.pose, b, length);
                     place = teeth.place(b, arm, &run);
                 }
                 teeth.touch(b, arm, &place, valid, &mut run);
@@ -135,7 +142,7 @@ impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: 
         TeethFound {
             force: [x.total(), y.total()],
             moment: moment.total(),
-            changed: teeth.changed,
+            changed: teeth.changed.any(),
             dissipated: dissipated.total_if(self.powers && DAMPED),
             friction_power: teeth.friction_power.total_if(self.powers && FRICTION),
         }
@@ -154,7 +161,9 @@ struct Teeth<S: Simd, G, const DAMPED: bool, const FRICTION: bool, const BRISTLE
     keeps_stiffness: bool,
     /// Whether powers are requested.
     powers: bool,
-    changed: bool,
+    writes_ends: bool,
+    /// Candidates whose contact state differs from the impact velocity memory.
+    changed: Mask<S>,
     /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
     sums: [PartialSums; 4],
     /// Power dissipated by friction \[W\].
@@ -180,10 +189,7 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
     #[inline(always)]
     fn place(&self, b: usize, arm: [Lanes<S>; 2], run: &RunOfBushings<S>) -> InGap<S> {
         let simd = self.spin.simd();
-        let gap = [
-            load(simd, &vectors::<S>(run.gap_cos, b + 1)[b]),
-            load(simd, &vectors::<S>(run.gap_sin, b + 1)[b]),
-        ];
+        let gap = [load(simd, &run.gap_cos[b]), load(simd, &run.gap_sin[b])];
         self.gap.place(arm, self.direction, gap)
     }
 
@@ -200,6 +206,20 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
         let at = |array: &[S::f64s]| load(arm_x.simd(), &array[b]);
         let zero = arm_x.constant(0.0);
         let surface = self.gap.nearest(place);
+        // Every surface is fixed in the sprocket. The velocity of the sprocket's point at the bushing's centre gives the penetration
+        // rate on every surface.
+        let vx = self
+            .spin
+            .mul_add(arm_y, at(run.velocity[0]) - self.velocity[0]);
+        let vy = self
+            .spin
+            .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
+        if self.writes_ends {
+            let [found, change] = self.gap.gap_and_rate(&surface, place, [vx, vy]);
+            run.ends[0][b] = found.values();
+            // A rate of zero: no event behind the last bushing of the run.
+            run.ends[1][b] = valid.select(change, zero).values();
+        }
         let near = self.gap.near(&surface).and(valid);
         let inverse_impact_velocity = at(run.inverse_impact_velocity);
         let remembered = inverse_impact_velocity.greater(zero);
@@ -223,13 +243,13 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
             if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
                 bristles.clear_rates(b);
             }
-            self.changed |= remembered.any();
+            self.changed = self.changed.or(remembered);
             return;
         }
         let (depth, [nx, ny], curvature) = self.gap.depth(&surface, place);
         let depth = near.select(depth.positive_part(), zero);
         let touching = depth.exceeds(zero);
-        self.changed |= touching.differs(remembered).any();
+        self.changed = self.changed.or(touching.differs(remembered));
 
         let mut law_constants = self.gap.law_constants(&surface);
         if self.keeps_stiffness {
@@ -239,14 +259,6 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
         let elastic = self.form.elastic(law_constants, depth);
         let mut across = zero;
         let contact = if DAMPED {
-            // Every surface is fixed in the sprocket. The velocity of the sprocket's point at the bushing's centre gives the
-            // penetration rate on every surface.
-            let vx = self
-                .spin
-                .mul_add(arm_y, at(run.velocity[0]) - self.velocity[0]);
-            let vy = self
-                .spin
-                .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
             if FRICTION {
                 across = nx.mul_add(vy, -(ny * vx));
             }

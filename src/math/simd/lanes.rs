@@ -86,6 +86,13 @@ pub(crate) fn lane_numbers<S: Simd>(simd: S) -> Lanes<S> {
     load(simd, &vectors::<S>(&NUMBERS, 1)[0])
 }
 
+/// Return a mask that is false in all lanes.
+#[inline(always)]
+pub(crate) fn no_lane<S: Simd>(simd: S) -> Mask<S> {
+    let zero = Lanes::splat(simd, 0.0);
+    zero.less(zero)
+}
+
 impl<S: Simd> Lanes<S> {
     /// Return the same number in all lanes.
     #[inline(always)]
@@ -164,6 +171,12 @@ impl<S: Simd> Lanes<S> {
         self.with(self.simd.max_f64s(self.values, other.values))
     }
 
+    /// Return the smaller number; undefined if one is NaN.
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        self.with(self.simd.min_f64s(self.values, other.values))
+    }
+
     /// Return the largest of all lanes.
     #[inline(always)]
     pub(crate) fn greatest(self) -> f64 {
@@ -187,7 +200,7 @@ impl<S: Simd> Lanes<S> {
                 .less(self.constant(count as f64 - 0.5))
                 .select(turned, self.constant(0.0));
         }
-        let mut numbers = [0.0; 2 * WIDTH];
+        let mut numbers = [0.0; WIDTH];
         vectors_mut::<S>(&mut numbers, 1)[0] = self.values;
         numbers[count] = next;
         load(self.simd, &vectors::<S>(&numbers[1..], 1)[0])

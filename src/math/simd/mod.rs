@@ -27,7 +27,8 @@ pub(super) use exp::nearest_whole;
 pub(crate) use exp::{exp, exp_of_remainder};
 pub use instruction_set::InstructionSet;
 pub(crate) use lanes::{
-    Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, splat_two, vectors, vectors_mut,
+    Lanes, Mask, both, both_mut, lane_numbers, load, no_lane, partial_load, splat_two, vectors,
+    vectors_mut,
 };
 pub(super) use ln::scaled_to;
 pub(crate) use ln::{ln_of_quotient, octaves_of_quotient};

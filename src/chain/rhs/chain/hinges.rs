@@ -14,7 +14,8 @@ use crate::force_law::{
     depth_in_series,
 };
 use crate::math::simd::{
-    Lanes, Numbers, PartialSums, both, both_mut, load, splat_two, vectors, vectors_mut,
+    Lanes, Mask, Numbers, PartialSums, both, both_mut, load, no_lane, splat_two, vectors,
+    vectors_mut,
 };
 
 /// Input for all hinges of one loop.
@@ -80,8 +81,10 @@ pub(super) struct Hinges<
     pub(super) rear_force: [&'a mut [S::f64s]; 2],
     bushing: [&'a mut [S::f64s]; 2],
     bushing_velocity: [&'a mut [S::f64s]; 2],
-    pub(super) moved_squared: Lanes<S>,
-    pub(super) changed: bool,
+    moved_squared: Lanes<S>,
+    speed_squared: Lanes<S>,
+    /// Hinges whose contact state differs from the impact velocity memory. (A sum over masks costs less than one over flags.)
+    changed: Mask<S>,
     /// Whether powers are requested.
     pub(super) powers: bool,
     /// Power dissipated by damping \[W\].
@@ -145,7 +148,8 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
             bushing_velocity: both_mut::<S>(&mut arrays.bushing_velocity, 0, blocks),
             moved_squared: splat(0.0),
-            changed: false,
+            speed_squared: splat(0.0),
+            changed: no_lane(simd),
             powers: joints.powers,
             power: PartialSums::default(),
             friction_power: PartialSums::default(),
@@ -204,7 +208,8 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
         let powers = self.powers;
         ChainFound {
             moved_squared: self.moved_squared.greatest(),
-            changed: self.changed,
+            speed_squared: self.speed_squared.greatest(),
+            changed: self.changed.any(),
             dissipated: self.power.total_if(powers && DAMPED),
             friction_power: self.friction_power.total_if(powers && FRICTION),
             film_power: self.film_power.total_if(powers && EXTRA),
@@ -245,7 +250,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 bristles.clear_rates(i);
             }
-            self.changed |= has_memory.any();
+            self.changed = self.changed.or(has_memory);
             return false;
         }
         let distance = distance_squared.sqrt();
@@ -255,7 +260,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
         let touching = depth.exceeds(zero);
         // A contact without memory begins in this step, a memory without contact ends: finish_step looks for the event. Forces of this
         // step use the present rate (ContactLane::damped).
-        self.changed |= touching.differs(has_memory).any();
+        self.changed = self.changed.or(touching.differs(has_memory));
         let mut contact_depth = depth;
         // Contact and plates in series: the contact's own penetration.
         if EXTRA && let Some(compliance) = self.compliance {
@@ -328,7 +333,8 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
         }
     }
 
-    /// Write centres and velocities of the bushings of these hinges; update their largest squared distance from the references.
+    /// Write centres and velocities of the bushings of these hinges; update their largest squared distance from the references,
+    /// and their largest squared speed. Lanes behind the last hinge have neither.
     #[inline(always)]
     fn place_bushings(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
         let simd = self.clearance.simd();
@@ -340,7 +346,10 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
         let dx = x - load(simd, &self.reference[0][i]);
         let dy = y - load(simd, &self.reference[1][i]);
         self.moved_squared = self.moved_squared.max(dx.mul_add(dx, dy * dy));
-        self.bushing_velocity[0][i] = on_front.select(front.vx, rear.vx).values();
-        self.bushing_velocity[1][i] = on_front.select(front.vy, rear.vy).values();
+        let vx = on_front.select(front.vx, rear.vx);
+        let vy = on_front.select(front.vy, rear.vy);
+        self.bushing_velocity[0][i] = vx.values();
+        self.bushing_velocity[1][i] = vy.values();
+        self.speed_squared = self.speed_squared.max(vx.mul_add(vx, vy * vy));
     }
 }

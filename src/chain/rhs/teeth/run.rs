@@ -1,8 +1,7 @@
 //! Arrays of one run of candidates in SIMD vectors: successive bushings in successive slots.
 
-use std::ops::Range;
-
 use pulp::Simd;
+use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
 use crate::chain::contact::{Run, SprocketCandidates, gap_of};
 use crate::chain::model::SprocketModel;
@@ -11,9 +10,9 @@ use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::rhs::pose::SprocketPose;
 use crate::chain::rhs::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
 use crate::geometry::Vec2;
-use crate::math::simd::{both, both_mut, vectors, vectors_mut};
+use crate::math::simd::{Numbers, both, both_mut, vectors, vectors_mut};
 
-/// Arrays of one run in SIMD vectors; those of gaps and centres, which change bushing by bushing, as numbers.
+/// Arrays of one run in SIMD vectors; numbers of gaps bushing by bushing.
 pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) bushing: [&'a [S::f64s]; 2],
     pub(super) velocity: [&'a [S::f64s]; 2],
@@ -26,10 +25,11 @@ pub(super) struct RunOfBushings<'a, S: Simd> {
     pub(super) rear_force: [&'a mut [S::f64s]; 2],
     pub(super) slopes: Option<&'a mut [SlopeGroup]>,
     pub(super) friction_arrays: FrictionArrays<'a, S>,
-    centers: [&'a [f64]; 2],
     gap: &'a mut [u32],
-    pub(super) gap_cos: &'a mut [f64],
-    pub(super) gap_sin: &'a mut [f64],
+    pub(super) gap_cos: &'a mut [S::f64s],
+    pub(super) gap_sin: &'a mut [S::f64s],
+    /// Signed depths and their rates for the event screening.
+    pub(super) ends: [&'a mut [S::f64s]; 2],
 }
 
 /// Arrays of one run that friction reads and writes; empty without friction.
@@ -52,6 +52,7 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
         arrays: &'a mut ChainArrays,
         candidates: &'a mut SprocketCandidates,
         slopes: Option<&'a mut ContactSlopes>,
+        ends: &'a mut [Numbers; 2],
     ) -> Self {
         let Run {
             first,
@@ -76,7 +77,6 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             friction_arrays.friction = vectors_mut::<S>(&mut candidates.friction[slot..], blocks);
             friction_arrays.slopes = friction_slopes;
         }
-        let [x, y] = &arrays.bushing;
         Self {
             bushing: both::<S>(&arrays.bushing, first, blocks),
             velocity: both::<S>(&arrays.bushing_velocity, first, blocks),
@@ -92,30 +92,33 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1 + first, blocks),
             slopes,
             friction_arrays,
-            centers: [&x[first..], &y[first..]],
             gap: &mut candidates.gap[slot..],
-            gap_cos: &mut candidates.gap_cos[slot..],
-            gap_sin: &mut candidates.gap_sin[slot..],
+            gap_cos: vectors_mut::<S>(&mut candidates.gap_cos[slot..], blocks),
+            gap_sin: vectors_mut::<S>(&mut candidates.gap_sin[slot..], blocks),
+            ends: both_mut::<S>(ends, slot, blocks),
         }
     }
 
-    /// Assign the nearest gap to each of these bushings of the run.
+    /// Assign the nearest gap to each bushing of vector `b` of a run of `length` bushings.
     #[inline(always)]
     pub(super) fn assign_gaps(
         &mut self,
         sprocket: &SprocketModel,
         pose: &SprocketPose,
-        bushings: Range<usize>,
+        b: usize,
+        length: usize,
     ) {
-        for j in bushings {
-            let [x, y] = self.centers.map(|axis| axis[j]);
+        for j in (0..length).skip(b * S::F64_LANES).take(S::F64_LANES) {
+            let [x, y] = self.bushing.map(|axis| cast_slice::<_, f64>(axis)[j]);
             let number = gap_of(
                 sprocket,
                 Vec2::new(x, y) - Vec2::from(pose.center),
                 pose.direction,
             );
             self.gap[j] = number;
-            (self.gap_cos[j], self.gap_sin[j]) = sprocket.gap_directions[number as usize];
+            let (cos, sin) = sprocket.gap_directions[number as usize];
+            cast_slice_mut(self.gap_cos)[j] = cos;
+            cast_slice_mut(self.gap_sin)[j] = sin;
         }
     }
 }
