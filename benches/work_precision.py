@@ -298,6 +298,7 @@ def main():
             parser.error(f"--only {name!r}: no such scene; one of {', '.join(scene_of)}")
     peers.load()
     scenes.check_right_hand_side()
+    scenes.check_impact_memory()
     print(
         f"{'method':<28}{'tolerance':>9}{'s/s':>11}{'steps':>10}{'evaluations':>11}"
         f"{'error':>11}{'residual':>11}"
