@@ -130,7 +130,7 @@ def summary(record):
     """Return the table of few lines, and how the machine was."""
     rounds = has_rounds(record)
     titles = ["scene", "error", "rustchain", "time", "best other solver", "time", "ratio"]
-    titles += ["ratio of rounds: median (range)"] if rounds else []
+    titles += ["median (range)"] if rounds else []
     rows = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
     shares = []
     for scene, wanted in SUMMARY:
@@ -142,16 +142,16 @@ def summary(record):
         cells += [SHORT[best], _said_time(scene, own[best])]
         if others:
             other = min(others, key=others.get)
-            ratio = _two_digits(others[other] / own[best])
+            ratio = _digits(others[other] / own[best], 2)
             cells += [other, _said_time(scene, others[other]), ratio]
             cells += [_rounds(record, scene, wanted, best, other)] if rounds else []
         else:
-            least, other = min(
-                (errors.min(), method)
+            least = min(
+                errors.min()
                 for method, (errors, _) in curves(record, scene).items()
                 if not method.startswith("rustchain")
             )
-            cells += [f"none; least error {least:.1e}, {other}", "", "does not reach it"]
+            cells += [f"none; least error {least:.0e}", "", "does not reach it"]
             cells += [""] if rounds else []
         rows.append("| " + " | ".join(cells) + " |")
     said = [f"Machine: {machines(record)}{_load(record)}."]
@@ -178,7 +178,7 @@ def _said_error(scene, wanted):
 
 
 def _said_time(scene, time):
-    return f"{1e3 * time:.3g} ms" if is_known(scene) else f"{time:.3g} s/s"
+    return f"{_digits(1e3 * time, 3)} ms" if is_known(scene) else f"{_digits(time, 3)} s/s"
 
 
 def _rounds(record, scene, wanted, own, other):
@@ -192,12 +192,12 @@ def _rounds(record, scene, wanted, own, other):
         for method in (own, other)
     }
     found = ratios_of_rounds(points[own], points[other], wanted)
-    median, least, most = (_two_digits(of(found)) for of in (np.median, np.min, np.max))
+    median, least, most = (_digits(of(found), 2) for of in (np.median, np.min, np.max))
     return f"{median} ({least} to {most})"
 
 
-def _two_digits(ratio):
-    return f"{ratio:#.2g}".rstrip(".")
+def _digits(value, count):
+    return f"{value:#.{count}g}".rstrip(".")
 
 
 def verdicts(record):
