@@ -28,7 +28,7 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build fmu demo docs check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision validation-data stress dist clean
+.PHONY: help venv build fmu demo docs check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke practical features robustness work-precision validation-data stress dist clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -136,11 +136,16 @@ bench-smoke: build reference-solvers ## Run every benchmark once, without measur
 	$(BIN)/python benches/numpy_reference.py --test
 	$(BIN)/python benches/robustness.py --test
 	$(BIN)/python benches/practical.py --test
+	$(BIN)/python benches/features.py --test
+	$(BIN)/python benches/lanes_of_drives.py --test
 	$(BIN)/python benches/ideal_drive_peer.py --test
 	$(BIN)/python benches/work_precision.py --test
 
 practical: build ## Run practical scenes at two accuracies and write docs/performance/practical.md (two minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python benches/practical.py --write $(BENCH_ARGS)
+
+features: build ## Run the published drive with every feature in turn, and sweeps, and write docs/performance/features.md (four minutes)
+	OMP_NUM_THREADS=1 $(BIN)/python benches/features.py --write $(BENCH_ARGS)
 
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md
 	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)

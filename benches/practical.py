@@ -26,7 +26,6 @@ from checks.andrews import andrews  # noqa: E402
 
 PAGE = ROOT / "docs" / "performance" / "practical.md"
 NUMBERS = PAGE.with_suffix(".json")
-BEGIN, END = "<!-- table -->", "<!-- end of table -->"
 ACCURACIES = (1e-10, 1e-9)  # [m]
 MANY_REJECTED = 0.1  # share of the steps that were tried
 LN = rc.LankaraniNikravesh
@@ -231,22 +230,31 @@ def findings(rows: list[dict[str, object]]) -> list[str]:
     return found
 
 
+def table(columns: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
+    """Return the lines of a table."""
+    head, *rest = ["| " + " | ".join(row) + " |" for row in (columns, *rows)]
+    return [head, "|" + "---|" * len(columns), *rest]
+
+
+def put(page: str, name: str, lines: list[str]) -> str:
+    """Return the text of a page with these lines between the marks of this name."""
+    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+    before, _, rest = page.partition(begin)
+    _, _, after = rest.partition(end)
+    return "\n".join([f"{before}{begin}", "", *lines, "", f"{end}{after}"])
+
+
 def write(rows: list[dict[str, object]]) -> None:
     """Write the numbers, and the table into its page."""
     NUMBERS.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
     lines = [
-        "| " + " | ".join(COLUMNS) + " |",
-        "|" + "---|" * len(COLUMNS),
-        *("| " + " | ".join(cells(row)) + " |" for row in rows),
+        *table(COLUMNS, [cells(row) for row in rows]),
         "",
         "Scenes with many rejected steps, or with more evaluations at the looser accuracy:",
         "",
         *(findings(rows) or ["- none"]),
     ]
-    before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-    _, _, after = rest.partition(END)
-    text = "\n".join([f"{before}{BEGIN}", "", *lines, "", f"{END}{after}"])
-    PAGE.write_text(text, encoding="utf-8")
+    PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), "table", lines), encoding="utf-8")
 
 
 def main() -> int:

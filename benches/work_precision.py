@@ -1,10 +1,11 @@
 """Run time against error: this project's integrator and other solvers on the same right-hand side.
 
 `make work-precision` builds what it needs, runs all scenes (at most 12 minutes on an idle
-machine) and writes the chart and tables of docs/performance/work-precision.md. `--only SCENE`, as
-often as wanted, runs these alone and puts them into the last full run's place; `--redraw` draws
-chart and tables of the last run; `--test` runs a few short scenes (or those of `--only`, shortened)
-and writes nothing.
+machine) and writes docs/performance/work-precision.json, and from it the chart and the pages
+work-precision.md and work-precision-tables.md. `--only SCENE`, as often as wanted, runs these alone
+and puts them into the last full run's place; `--redraw` writes chart and pages of the last run;
+`--test` runs a few short scenes (or those of `--only`, shortened) and writes nothing. Nothing is
+written either where the load of the machine or the spread of times is too large: exit status 1.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from work_precision import own, peers, render, scenes
-from work_precision.analysis import force_statistics
+from work_precision.analysis import disturbance, force_statistics
 from work_precision.peers import Start
 
 ROOT = Path(__file__).parent.parent
@@ -237,9 +238,16 @@ class Record:
         """Keep the long runs."""
         self.found["long"] = long_runs(0.05 if self.tried else 2.0)
 
+    def demand_quiet(self, name, loads):
+        """Stop where the machine was busy before a scene, or during it."""
+        times = [line["times"] for line in self.found["lines"] if line["scene"] == name]
+        if not self.tried and (why := disturbance(loads, times)):
+            sys.exit(f"error: {name}: {why}. Nothing is written; run again on a quiet machine.")
+
     def make(self, name, scene):
         """Run one scene; note how busy the machine was."""
         begin, before = (time.perf_counter(), time.process_time()), os.getloadavg()[0]
+        self.demand_quiet(f"before {name}", [before])
         scene()
         seconds, own_seconds = time.perf_counter() - begin[0], time.process_time() - begin[1]
         self.found["load"][name] = [before, os.getloadavg()[0]]
@@ -250,8 +258,14 @@ class Record:
             f"load {before:.1f} before, {os.getloadavg()[0]:.1f} after",
             flush=True,
         )
-        if not self.tried:
-            RECORD.write_text(json.dumps(self.found, indent=1) + "\n")
+        self.demand_quiet(name, self.found["load"][name])
+
+
+def write(found):
+    """Write the record with its verdicts, the chart and the pages."""
+    found["verdicts"] = render.verdicts(found)
+    RECORD.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    render.write(found, ROOT / "docs")
 
 
 def all_scenes(record):
@@ -283,11 +297,11 @@ def main():
     """Run, judge, and write chart and tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--test", action="store_true", help="a few short scenes; write nothing")
-    parser.add_argument("--redraw", action="store_true", help="from the last full run")
+    parser.add_argument("--redraw", action="store_true", help="write chart and pages again")
     parser.add_argument("--only", action="append", metavar="SCENE", help="one scene of the tables")
     options = parser.parse_known_args()[0]
     if options.redraw:
-        render.write(last_run(), ROOT / "docs")
+        write(last_run())
         return
     begin = time.perf_counter()
     record = Record(options.test, merged=bool(options.only) and not options.test)
@@ -298,6 +312,7 @@ def main():
             parser.error(f"--only {name!r}: no such scene; one of {', '.join(scene_of)}")
     peers.load()
     scenes.check_right_hand_side()
+    scenes.check_impact_memory()
     print(
         f"{'method':<28}{'tolerance':>9}{'s/s':>11}{'steps':>10}{'evaluations':>11}"
         f"{'error':>11}{'residual':>11}"
@@ -310,8 +325,7 @@ def main():
     print("\n".join(render.verdicts(found)))
     print(f"{time.perf_counter() - begin:.0f} s")
     if not options.test:
-        RECORD.write_text(json.dumps(found, indent=1) + "\n")
-        render.write(found, ROOT / "docs")
+        write(found)
 
 
 if __name__ == "__main__":

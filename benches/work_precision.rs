@@ -18,7 +18,7 @@ use rustchain::force_law::{Damping, Elastic};
 use rustchain::integrator::{Adams, Corrector, OdeSystem, StepControl};
 use rustchain::math::simd::InstructionSet;
 
-/// Least of so many runs counts.
+/// Timed runs of a planet or a pin.
 const REPEATS: usize = 30;
 
 /// Links of the sweep: of 38 to 2432.
@@ -70,10 +70,7 @@ fn say(
 ) {
     let method = corrector.name();
     let runs: Vec<Known> = (0..repeats).map(|_| run()).collect();
-    let wall = runs
-        .iter()
-        .map(|run| run.wall)
-        .fold(f64::INFINITY, f64::min);
+    let walls: Vec<f64> = runs.iter().map(|run| run.wall).collect();
     let Known {
         steps,
         evaluations,
@@ -81,8 +78,8 @@ fn say(
         ..
     } = runs[0];
     println!(
-        "{{\"kind\": \"{problem}\", \"method\": \"{method}\", \"tolerance\": {tolerance:e}, \"wall\": {wall:e}, \"steps\": {steps}, \
-         \"evaluations\": {evaluations}, \"error\": {error:e}, \"repeats\": {repeats}}}"
+        "{{\"kind\": \"{problem}\", \"method\": \"{method}\", \"tolerance\": {tolerance:e}, \"walls\": {walls:?}, \"steps\": {steps}, \
+         \"evaluations\": {evaluations}, \"error\": {error:e}}}"
     );
 }
 

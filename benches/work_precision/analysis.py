@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+# Above these a machine is not quiet: its load average, of which the run itself is 1, and `spread`.
+LOAD_LIMIT = 1.5
+SPREAD_LIMIT = 0.1
+
 
 def frontier(errors, times):
     """Points that no other beats in both, errors falling and times rising; (errors, times)."""
@@ -28,6 +32,36 @@ def time_at_error(errors, times, wanted):
         return times[0]
     logarithms = np.log(errors[::-1]), np.log(times[::-1])
     return float(np.exp(np.interp(np.log(wanted), *logarithms)))
+
+
+def ratios_of_rounds(own, other, wanted):
+    """Time of `other` over that of `own` at an error of `wanted`, in each round of timed runs.
+
+    Both are lists of (error, times), a point each; one with fewer runs counts with its last.
+    """
+
+    def time(points, k):
+        times = [times[min(k, len(times) - 1)] for _, times in points]
+        return time_at_error([error for error, _ in points], times, wanted)
+
+    rounds = max(len(times) for _, times in own + other)
+    return np.array([time(other, k) / time(own, k) for k in range(rounds)])
+
+
+def spread(times_of_points):
+    """Median over least time, less one, of the points with three runs or more: their median."""
+    several = [times for times in times_of_points if len(times) > 2]
+    return float(np.median([np.median(t) / min(t) - 1.0 for t in several])) if several else np.nan
+
+
+def disturbance(loads, times_of_points):
+    """Say why a machine was not quiet; nothing where it was."""
+    if max(loads) > LOAD_LIMIT:
+        return f"the load average was {max(loads):.1f}, more than {LOAD_LIMIT}"
+    wide = spread(times_of_points)
+    if wide > SPREAD_LIMIT:
+        return f"times of a point spread by {wide:.0%}, more than {SPREAD_LIMIT:.0%}"
+    return ""
 
 
 def order_of_convergence(costs, errors):

@@ -1,4 +1,4 @@
-"""Chart, tables and verdicts of a full run."""
+"""Chart, tables, verdicts and pages of a full run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 import rustchain as rc
 
-from .analysis import order_of_convergence, time_at_error
+from .analysis import order_of_convergence, ratios_of_rounds, spread, time_at_error
 
 CHART = "images/work-precision.png"
 COLOURS = {
@@ -44,6 +44,26 @@ PANELS = [
     "pin, undamped",
     "pin, damped",
 ]
+# Scenes and errors of the table that the page opens with.
+SUMMARY = [
+    ("0 N, 5 ms", 1e-5),
+    ("0 N, 6 ms", 1e-7),
+    ("25 N, 20 ms", 1e-6),
+    ("25 N, 20 ms", 1e-8),
+    ("100 N, 20 ms", 1e-6),
+    ("0 N, 0.2 s", 1e-2),
+    ("25 N, 0.2 s", 1e-2),
+    ("100 N, 0.2 s", 1e-2),
+    ("planet, 10 periods", 1e-6),
+    ("planet, 10 periods", 1e-9),
+    ("pin, undamped", 1e-6),
+    ("pin, damped", 1e-6),
+]
+# Of records without times of single runs, which are older than that correction.
+BEFORE_CORRECTION = (
+    "**To be measured again:** the figures of other solvers on the drive. Their contacts had too "
+    "much damping, which is corrected since. Planet and pins have no such contacts."
+)
 # Time of auto over that of the better corrector, at equal error.
 AUTO_LIMIT = 1.15
 # The accuracy that users get who ask for none [m].
@@ -86,19 +106,110 @@ def curves(record, scene, cost="wall"):
     return {method: np.array(points).T for method, points in found.items()}
 
 
+def times_at(record, scene, wanted, cost="wall"):
+    """Return {method: time at an error of `wanted`}; NaN of those that do not reach it."""
+    found = curves(record, scene, cost)
+    return {method: time_at_error(*points, wanted) for method, points in found.items()}
+
+
+def reaching(times, ours):
+    """Return those of {method: time} that reach the error, of this project or all others."""
+    return {
+        method: time
+        for method, time in times.items()
+        if method.startswith("rustchain") == ours and np.isfinite(time)
+    }
+
+
+def has_rounds(record):
+    """Whether all times of single runs are stored, as in all records after the correction."""
+    return all("times" in line for line in record["lines"])
+
+
+def summary(record):
+    """Return the table of few lines, and how the machine was."""
+    rounds = has_rounds(record)
+    titles = ["scene", "error", "rustchain", "time", "best other solver", "time", "ratio"]
+    titles += ["median (range)"] if rounds else []
+    rows = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
+    shares = []
+    for scene, wanted in SUMMARY:
+        times = times_at(record, scene, wanted)
+        own, others = reaching(times, ours=True), reaching(times, ours=False)
+        best = min(own, key=own.get)
+        shares.append(times["rustchain auto"] / own[best])
+        cells = [_called(scene), _said_error(scene, wanted)]
+        cells += [SHORT[best], _said_time(scene, own[best])]
+        if others:
+            other = min(others, key=others.get)
+            ratio = _digits(others[other] / own[best], 2)
+            cells += [other, _said_time(scene, others[other]), ratio]
+            cells += [_rounds(record, scene, wanted, best, other)] if rounds else []
+        else:
+            least = min(
+                errors.min()
+                for method, (errors, _) in curves(record, scene).items()
+                if not method.startswith("rustchain")
+            )
+            cells += [f"none; least error {least:.0e}", "", "does not reach it"]
+            cells += [""] if rounds else []
+        rows.append("| " + " | ".join(cells) + " |")
+    said = [f"Machine: {machines(record)}{_load(record)}."]
+    if np.isfinite(shares).all():
+        said.append(
+            f"`auto`, the default, takes at most {max(shares):.2f} times the time of the fastest "
+            "method of rustchain in these lines."
+        )
+    if not rounds:
+        said.append("This run stored the least times only, no median and range of ratios.")
+        return "\n".join([BEFORE_CORRECTION, "", *rows, "", *said])
+    share = spread([line["times"] for line in record["lines"]])
+    said.append(f"The median time of a point is {1.0 + share:.2f} times its least time.")
+    return "\n".join([*rows, "", *said])
+
+
+def _called(scene):
+    return scene if is_known(scene) else f"drive, {scene}"
+
+
+def _said_error(scene, wanted):
+    unit = "" if is_known(scene) else " of energy" if ", 0.2 s" in scene else " m"
+    return f"{wanted:.0e}{unit}".replace("e-0", "e-")
+
+
+def _said_time(scene, time):
+    return f"{_digits(1e3 * time, 3)} ms" if is_known(scene) else f"{_digits(time, 3)} s/s"
+
+
+def _rounds(record, scene, wanted, own, other):
+    """Median and range of the ratio over the rounds of timed runs."""
+    points = {
+        method: [
+            (max(error_of(line), 1e-17), line["times"])
+            for line in record["lines"]
+            if (line["scene"], line["method"]) == (scene, method) and np.isfinite(error_of(line))
+        ]
+        for method in (own, other)
+    }
+    found = ratios_of_rounds(points[own], points[other], wanted)
+    median, least, most = (_digits(of(found), 2) for of in (np.median, np.min, np.max))
+    return f"{median} ({least} to {most})"
+
+
+def _digits(value, count):
+    return f"{value:#.{count}g}".rstrip(".")
+
+
 def verdicts(record):
     """Return what the figures say, in words."""
     said = [f"machine: {machines(record)}{_load(record)}"]
     scenes = list(dict.fromkeys(line["scene"] for line in record["lines"]))
     for scene in scenes:
-        found = curves(record, scene)
         for wanted in (1e-2, 1e-3, 1e-4) if ", 0.2 s" in scene else _errors(scene):
-            times = {m: time_at_error(*points, wanted) for m, points in found.items()}
+            times = times_at(record, scene, wanted)
             said += _verdict(scene, wanted, times, _narrower(record, scene))
             if is_known(scene):
-                counts = curves(record, scene, "evaluations")
-                counts = {m: time_at_error(*points, wanted) for m, points in counts.items()}
-                said[-1] += _evaluations(counts)
+                said[-1] += _evaluations(times_at(record, scene, wanted, "evaluations"))
     said += _instructions(record) + _links(record) + _orders(record)
     return said
 
@@ -155,8 +266,7 @@ def _narrower(record, scene):
 
 def _verdict(scene, wanted, times, narrower):
     """Best of this project beside CVODE, and beside the best other, at one error."""
-    own = {m: t for m, t in times.items() if m.startswith("rustchain") and np.isfinite(t)}
-    others = {m: t for m, t in times.items() if not m.startswith("rustchain") and np.isfinite(t)}
+    own, others = reaching(times, ours=True), reaching(times, ours=False)
     head = f"{scene}, error {wanted:.0e}:"
     if not own:
         return [f"{head} not reached"]
@@ -247,22 +357,35 @@ def _orders(record):
     return said
 
 
+def pages(record, docs):
+    """Return {page: text} with the blocks of this record between the marks of both pages."""
+    blocks = {
+        "work-precision.md": {"summary": summary(record), "long": _long_table(record)},
+        "work-precision-tables.md": {
+            "verdicts": ("" if has_rounds(record) else f"{BEFORE_CORRECTION}\n\n")
+            + "\n".join(f"- {line}" for line in verdicts(record)),
+            "tables": _tables(record),
+        },
+    }
+    made = {}
+    for name, of_page in blocks.items():
+        page = docs / "performance" / name
+        text = page.read_text(encoding="utf-8")
+        for mark, block in of_page.items():
+            marked = re.compile(rf"(<!-- {mark} -->\n).*?(<!-- end of {mark} -->)", re.DOTALL)
+            if not marked.search(text):
+                raise SystemExit(f"error: {page} has no marks for {mark}")
+            text = marked.sub(lambda m, block=block: f"{m[1]}\n{block}\n\n{m[2]}", text)
+        made[page] = text
+    return made
+
+
 def write(record, docs):
-    """Draw the chart and put the tables and verdicts between the marks of the page."""
+    """Draw the chart and write the pages."""
     draw(record, docs / CHART)
-    page = docs / "performance" / "work-precision.md"
-    text = page.read_text()
-    for name, block in {
-        "verdicts": "\n".join(f"- {line}" for line in verdicts(record)),
-        "long": _long_table(record),
-        "tables": _tables(record),
-    }.items():
-        mark = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end of {name} -->)", re.DOTALL)
-        if not mark.search(text):
-            raise SystemExit(f"error: {page} has no marks for {name}")
-        text = mark.sub(lambda m, block=block: f"{m[1]}\n{block}\n\n{m[2]}", text)
-    page.write_text(text)
-    print(f"wrote {page} and {docs / CHART}")
+    for page, text in pages(record, docs).items():
+        page.write_text(text, encoding="utf-8")
+        print(f"wrote {page}")
 
 
 def _tables(record):

@@ -1,8 +1,13 @@
 //! Largest forces and impulses between two reports, from the forces at the ends of the steps.
 
+use pulp::{Simd, WithSimd};
+
+use crate::math::simd::InstructionSet;
+
 /// Largest force and impulse of each contact of a kind since the last report.
 #[derive(Debug, Clone)]
 pub struct Peaks {
+    instructions: InstructionSet,
     time: f64,
     last: Vec<f64>,
     /// Forces at the end of the present step.
@@ -15,6 +20,7 @@ impl Peaks {
     pub(crate) fn new(contacts: usize, t: f64) -> Self {
         let zeros = || vec![0.0; contacts];
         Self {
+            instructions: InstructionSet::detect(),
             time: t,
             last: zeros(),
             arriving: zeros(),
@@ -32,19 +38,13 @@ impl Peaks {
 
     /// Add the trapezoid between the previous forces and these to the impulses.
     fn account(&mut self, t: f64, forces: &[f64]) {
-        let half = 0.5 * (t - self.time);
-        // This runs after each step: two plain loops that the compiler vectorizes. A comparison is one instruction, `max` is several.
-        for (largest, &force) in self.force.iter_mut().zip(forces) {
-            *largest = if force > *largest { force } else { *largest };
-        }
-        for (impulse, (last, &force)) in self
-            .impulse
-            .iter_mut()
-            .zip(self.last.iter_mut().zip(forces))
-        {
-            *impulse += half * (*last + force);
-            *last = force;
-        }
+        self.instructions.run(Account {
+            half_time: 0.5 * (t - self.time),
+            forces,
+            last: &mut self.last,
+            largest: &mut self.force,
+            impulses: &mut self.impulse,
+        });
         self.time = t;
     }
 
@@ -62,6 +62,33 @@ impl Peaks {
     pub(crate) fn begin_interval(&mut self) {
         self.force.copy_from_slice(&self.last);
         self.impulse.fill(0.0);
+    }
+}
+
+/// Kernel of [`Peaks::account`], which runs after each step.
+struct Account<'a> {
+    half_time: f64,
+    forces: &'a [f64],
+    last: &'a mut [f64],
+    largest: &'a mut [f64],
+    impulses: &'a mut [f64],
+}
+
+impl WithSimd for Account<'_> {
+    type Output = ();
+
+    /// Two plain loops that the compiler vectorizes for the instruction set. A comparison is one instruction, `max` is several.
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
+    fn with_simd<S: Simd>(self, _: S) {
+        for (largest, &force) in self.largest.iter_mut().zip(self.forces) {
+            *largest = if force > *largest { force } else { *largest };
+        }
+        let steps = self.last.iter_mut().zip(self.forces);
+        for (impulse, (last, &force)) in self.impulses.iter_mut().zip(steps) {
+            *impulse += self.half_time * (*last + force);
+            *last = force;
+        }
     }
 }
 

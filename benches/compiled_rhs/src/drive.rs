@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use rustchain::chain::contact::ImpactMemory;
 use rustchain::chain::dynamics::{Dynamics, Powers};
 use rustchain::chain::motion::Motion;
 use rustchain::drive::Drive;
@@ -110,13 +109,6 @@ impl DriveSystem {
             }
             self.passed += sum.scaled(width);
         }
-    }
-
-    /// Puts `memory` in place and has the list of candidates made anew with it.
-    fn put(&mut self, memory: ImpactMemory, step: &Accepted<'_>) {
-        self.dynamics
-            .remember_present_contacts(step.end, step.y_end);
-        self.dynamics.memory = memory;
     }
 
     /// x, y, θ of all bodies, one after the other.
@@ -234,7 +226,7 @@ impl Evolving for DriveSystem {
         if self.metered {
             // What parted in this step keeps its memory up to its end.
             if !teeth.is_empty() {
-                self.put(memory.clone(), step);
+                self.dynamics.replace_memory(memory.clone());
             }
             self.meter(step, 2);
         }
@@ -247,7 +239,7 @@ impl Evolving for DriveSystem {
         if teeth.is_empty() {
             self.dynamics.memory = memory;
         } else {
-            self.put(memory, step);
+            self.dynamics.replace_memory(memory);
         }
     }
 

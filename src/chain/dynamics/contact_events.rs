@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::Dynamics;
-use crate::chain::contact::{HingePath, RollerPath, ToothJump, ToothJumps, ToothPath};
+use crate::chain::contact::{
+    HingePath, ImpactMemory, RollerPath, ToothJump, ToothJumps, ToothPath,
+};
 use crate::chain::model::Model;
 use crate::geometry::Surface;
 use crate::integrator::event_location::onset_in_step;
@@ -128,6 +130,12 @@ impl Dynamics {
         self.slope = derivative;
         self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.advance_watch();
+    }
+
+    /// Replace the memory of all contacts, for an integrator outside this crate. The candidate list has a copy and is built again.
+    pub fn replace_memory(&mut self, memory: ImpactMemory) {
+        self.memory = memory;
+        self.kernels.candidates.invalidate();
     }
 
     /// Return bushing, sprocket and surface, from 0, of all tooth contacts with a memory.

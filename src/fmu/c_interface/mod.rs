@@ -8,10 +8,13 @@
 
 mod fmi2;
 mod fmi3;
+mod logger;
 
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ffi::{CStr, c_char, c_int, c_void};
 use std::path::Path;
 use std::sync::Once;
+
+use logger::{Logger, Logger2, Logger3};
 
 use super::{Contents, Instance, State};
 use crate::error::{Error, Result};
@@ -23,53 +26,8 @@ const OK: Status = 0;
 const DISCARD: Status = 2;
 const ERROR: Status = 3;
 
-/// Category of all messages, as in the model description.
-const CATEGORY: &CStr = c"logStatusError";
-
 /// File of the scene in the folder of resources.
 const SCENE: &str = "scene.bin";
-
-/// Logger of FMI 2.0: environment, name of the instance, status, category, format of printf and its arguments.
-type Logger2 =
-    unsafe extern "C" fn(*mut c_void, *const c_char, Status, *const c_char, *const c_char, ...);
-
-/// Logger of FMI 3.0: environment, status, category, message.
-type Logger3 = unsafe extern "C" fn(*mut c_void, Status, *const c_char, *const c_char);
-
-/// Logger of a master.
-enum Logger {
-    None,
-    Fmi2(Logger2, *mut c_void, CString),
-    Fmi3(Logger3, *mut c_void),
-}
-
-impl Logger {
-    fn log(&self, error: &Error) {
-        let text = error.to_string().replace('\0', " ");
-        match self {
-            Self::None => {}
-            Self::Fmi2(logger, environment, name) => {
-                // The text is a format of printf.
-                let text = CString::new(text.replace('%', "%%")).unwrap_or_default();
-                // SAFETY: the master gave this function and its environment for calls until the instance is freed; the texts end in zero.
-                unsafe {
-                    logger(
-                        *environment,
-                        name.as_ptr(),
-                        ERROR,
-                        CATEGORY.as_ptr(),
-                        text.as_ptr(),
-                    );
-                }
-            }
-            Self::Fmi3(logger, environment) => {
-                let text = CString::new(text).unwrap_or_default();
-                // SAFETY: as above.
-                unsafe { logger(*environment, ERROR, CATEGORY.as_ptr(), text.as_ptr()) };
-            }
-        }
-    }
-}
 
 /// Object behind a handle of the master.
 struct Slave {

@@ -79,6 +79,15 @@ pub(super) struct Settled {
     pub(super) iterations: u32,
 }
 
+/// Return the outcome of an iteration that ends here.
+fn settled(system: &impl Resting, residual: f64, iterations: u32) -> Settled {
+    Settled {
+        residual,
+        largest_force: system.largest_force(),
+        iterations,
+    }
+}
+
 /// Iterate the positions of `system` to equilibrium; the outcome is an error if the iteration ends before.
 pub(super) fn settle(
     system: &mut impl Resting,
@@ -106,19 +115,11 @@ pub(super) fn settle(
                 residual = system.unbalanced();
             }
             if !renews || residual <= tolerance * system.reference_force() {
-                return Ok(Settled {
-                    residual,
-                    largest_force: system.largest_force(),
-                    iterations,
-                });
+                return Ok(settled(system, residual, iterations));
             }
         }
         if iterations == system.most_iterations() || !residual.is_finite() || give_up() {
-            return Err(Settled {
-                residual,
-                largest_force: system.largest_force(),
-                iterations,
-            });
+            return Err(settled(system, residual, iterations));
         }
         iterations += 1;
         if iterations == FIRST_TRY && !refines {

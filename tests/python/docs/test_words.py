@@ -65,7 +65,7 @@ LIMIT_FOR_USERS = 25  # of the pages that a user reads first
 READ_FIRST = ("README.md", "docs/tutorial.md", "docs/howto/")
 AVERAGE = 12.5  # words of a sentence
 ADVISED = 25  # words; longer sentences are counted
-WRITTEN_BY_A_PROGRAM = ("docs/performance/work-precision.md",)
+WRITTEN_BY_A_PROGRAM = ("docs/performance/work-precision-tables.md",)
 ABBREVIATION = re.compile(r"\b(?:e\.g|i\.e|cf|Fig|Figs|Eq|Eqs|No|vol|pp|et al|vs|resp)\.$")
 # Beginning of a sentence: a capital, a number, code, a symbol, or a name in lower case.
 CAPITAL = r"[\"'(\[*_]*[A-Z0-9`µαμψσωΔδλ]|[\"\[]|(?:rustchain|exudyn|[a-zθ] is)\b"

@@ -1,15 +1,26 @@
-"""What the comparison of run times makes of its figures."""
+"""What the comparison of run times makes of its figures, and the pages that it writes."""
+
+import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from work_precision import render
 from work_precision.analysis import (
+    LOAD_LIMIT,
+    SPREAD_LIMIT,
     batch_means,
+    disturbance,
     frontier,
     order_of_convergence,
+    ratios_of_rounds,
     time_at_error,
 )
 
+DOCS = Path(__file__).parents[3] / "docs"
+RECORD = json.loads((DOCS / "performance" / "work-precision.json").read_text(encoding="utf-8"))
 ERRORS, TIMES = [1e-2, 1e-4, 1e-6], [1.0, 10.0, 100.0]
 
 
@@ -47,3 +58,54 @@ def test_intervals_of_batch_means_hold_the_mean_in_95_percent_of_all_series():
 
 def test_a_steady_series_has_no_width():
     assert batch_means(np.full((100, 3), 7.0), np.mean) == (7.0, 0.0)
+
+
+def test_the_ratio_is_taken_in_each_round_and_a_point_with_one_run_counts_in_all():
+    own = [(1e-2, [1.0, 2.0, 4.0]), (1e-4, [10.0, 20.0, 40.0])]
+    other = [(1e-2, [8.0]), (1e-4, [80.0])]
+    assert ratios_of_rounds(own, other, 1e-3) == pytest.approx([8.0, 4.0, 2.0])
+
+
+def test_a_busy_machine_and_times_that_spread_are_told():
+    steady, wide = [1.0, 1.01, 1.02], [1.0, 1.0 + 2.0 * SPREAD_LIMIT, 2.0]
+    assert disturbance([0.9, 1.1], [steady, steady, wide]) == ""
+    assert "load average" in disturbance([0.9, LOAD_LIMIT + 0.1], [steady])
+    assert "spread" in disturbance([1.0], [steady, wide, wide])
+    assert disturbance([1.0], [[1.0, 3.0]]) == ""  # two runs have no spread
+
+
+def test_the_record_is_of_a_quiet_machine():
+    times = [line.get("times", []) for line in RECORD["lines"]]
+    assert disturbance(np.ravel(list(RECORD["load"].values())), times) == ""
+    assert len(set(RECORD["machines"].values())) == 1
+
+
+def test_the_pages_are_what_the_record_makes_of_them():
+    for page, text in render.pages(RECORD, DOCS).items():
+        assert page.read_text(encoding="utf-8") == text
+    assert RECORD["verdicts"] == render.verdicts(RECORD)
+
+
+def test_the_page_opens_with_a_table_of_few_lines_whose_ratios_are_those_of_its_times():
+    page = (DOCS / "performance" / "work-precision.md").read_text(encoding="utf-8")
+    opening = page[: page.index("## ")]
+    titles, _, *rows = (
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in opening.splitlines()
+        if line.startswith("|")
+    )
+    wanted = ["scene", "error", "rustchain", "time", "best other solver", "time", "ratio"]
+    assert titles[:7] == wanted
+    assert opening.index("| scene") < opening.index("![")
+    assert 8 <= len(rows) <= 12
+    for scene, _, _, own, _, other, ratio, *_ in rows:
+        if not other:
+            assert ratio == "does not reach it"
+            continue
+        own_time, other_time = (re.fullmatch(r"(\S+) (s/s|ms)", time) for time in (own, other))
+        assert own_time[2] == other_time[2]
+        # Three digits of the times, two of the ratio.
+        quotient = float(other_time[1]) / float(own_time[1])
+        assert float(ratio) == pytest.approx(quotient, rel=0.06), scene
+    # Where the right-hand side costs next to nothing, other solvers are as fast: these stay in.
+    assert {"planet", "pin, undamped", "pin, damped"} <= {row[0].split(", 10")[0] for row in rows}
