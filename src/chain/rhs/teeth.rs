@@ -224,26 +224,8 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
         let inverse_impact_velocity = at(run.inverse_impact_velocity);
         let remembered = inverse_impact_velocity.greater(zero);
         if !near.any() {
-            run.depth[b] = zero.values();
-            run.force[b] = zero.values();
-            if let Some(slopes) = &mut run.slopes {
-                let (group, part) = group_of::<S, _>(slopes, b);
-                group.put(part, [zero; 6]);
-                if self.powers {
-                    group.put_power(part, [zero; 2]);
-                }
-            }
-            if FRICTION {
-                run.friction_arrays.friction[b] = zero.values();
-                if let Some(slopes) = &mut run.friction_arrays.slopes {
-                    let (group, part) = group_of::<S, _>(slopes, b);
-                    group.slope.put(part, zero);
-                }
-            }
-            if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
-                bristles.clear_rates(b);
-            }
             self.changed = self.changed.or(remembered);
+            self.write_apart(b, zero, run);
             return;
         }
         let (depth, [nx, ny], curvature) = self.gap.depth(&surface, place);
@@ -291,6 +273,30 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
         run.depth[b] = depth.values();
         run.force[b] = force.values();
         self.push(b, [arm_x, arm_y], [nx, ny], [force, across], run);
+    }
+
+    /// Write `zero` for a vector of bushings without contact.
+    #[inline(always)]
+    fn write_apart(&self, b: usize, zero: Lanes<S>, run: &mut RunOfBushings<S>) {
+        run.depth[b] = zero.values();
+        run.force[b] = zero.values();
+        if let Some(slopes) = &mut run.slopes {
+            let (group, part) = group_of::<S, _>(slopes, b);
+            group.put(part, [zero; 6]);
+            if self.powers {
+                group.put_power(part, [zero; 2]);
+            }
+        }
+        if FRICTION {
+            run.friction_arrays.friction[b] = zero.values();
+            if let Some(slopes) = &mut run.friction_arrays.slopes {
+                let (group, part) = group_of::<S, _>(slopes, b);
+                group.slope.put(part, zero);
+            }
+        }
+        if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
+            bristles.clear_rates(b);
+        }
     }
 
     /// Add the forces of a vector of bushings to links and sprocket; `across`: sliding velocity of the bushings' centres.
