@@ -233,24 +233,11 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
         let inverse_impact_velocity = load(simd, &self.inverse_impact_velocity[i]);
         let has_memory = inverse_impact_velocity.greater(zero);
         if !near.any() {
-            self.write_contact(i, [zero; 4]);
+            self.changed = self.changed.or(has_memory);
+            self.write_apart(i, zero);
             if EXTRA {
                 self.add_film(i, [front, rear], [ex, ey], velocity, distance_squared);
             }
-            if let Some(slopes) = &mut self.slopes {
-                let (group, part) = group_of::<S, _>(slopes, i);
-                group.put(part, [zero; 6]);
-                if self.powers {
-                    group.put_power(part, [zero; 2]);
-                }
-            }
-            if FRICTION {
-                self.write_zero_friction(i);
-            }
-            if BRISTLED && let Some(bristles) = &mut self.bristles {
-                bristles.clear_rates(i);
-            }
-            self.changed = self.changed.or(has_memory);
             return false;
         }
         let distance = distance_squared.sqrt();
@@ -322,14 +309,26 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
         self.rear_force[1][i] = y.values();
     }
 
-    /// Write zero friction for hinges without contact.
+    /// Write `zero` for a vector of hinges without contact.
     #[inline(always)]
-    fn write_zero_friction(&mut self, i: usize) {
-        let zero = self.clearance.constant(0.0);
-        self.friction[i] = zero.values();
-        if let Some(slopes) = &mut self.friction_slopes {
+    fn write_apart(&mut self, i: usize, zero: Lanes<S>) {
+        self.write_contact(i, [zero; 4]);
+        if let Some(slopes) = &mut self.slopes {
             let (group, part) = group_of::<S, _>(slopes, i);
-            group.slope.put(part, zero);
+            group.put(part, [zero; 6]);
+            if self.powers {
+                group.put_power(part, [zero; 2]);
+            }
+        }
+        if FRICTION {
+            self.friction[i] = zero.values();
+            if let Some(slopes) = &mut self.friction_slopes {
+                let (group, part) = group_of::<S, _>(slopes, i);
+                group.slope.put(part, zero);
+            }
+        }
+        if BRISTLED && let Some(bristles) = &mut self.bristles {
+            bristles.clear_rates(i);
         }
     }
 
