@@ -1,14 +1,26 @@
 //! Body frames of a state, and the shift between the integrator's solution and the state.
 
+#![allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
+
+use pulp::{Simd, WithSimd};
+
 use super::description::body::Frame;
 use super::model::MechanismModel;
 use crate::geometry::Vec2;
+use crate::math::simd::{load, sin_cos};
+
+/// Angles whose sines and cosines are computed at once: a vector of AVX2.
+const ANGLES: usize = 4;
 
 impl MechanismModel {
     /// Set the body frames to positions and velocities (q, then v), without a shift.
     pub(crate) fn place(&self, frames: &mut [Frame], state: &[f64]) {
-        self.place_by(frames, state, |_, position, velocity| {
-            Frame::new(position, velocity)
+        let (positions, velocities) = state.split_at(self.coordinates());
+        let frames = frames.iter_mut().zip(&self.first);
+        self.instructions.run(Placement {
+            frames: frames.filter_map(|(frame, first)| first.map(|_| frame)),
+            positions: positions.as_chunks().0,
+            velocities: velocities.as_chunks().0,
         });
     }
 
@@ -67,6 +79,47 @@ impl MechanismModel {
     }
 }
 
+/// Frames of the free bodies, in the order of their coordinates, as a kernel: sines and cosines of several angles at once.
+struct Placement<'a, F> {
+    frames: F,
+    positions: &'a [[f64; 3]],
+    velocities: &'a [[f64; 3]],
+}
+
+impl<'a, F: Iterator<Item = &'a mut Frame>> WithSimd for Placement<'a, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let groups = self
+            .positions
+            .chunks(ANGLES)
+            .zip(self.velocities.chunks(ANGLES));
+        for (positions, velocities) in groups {
+            let (mut sines, mut cosines) = ([0.0; ANGLES], [0.0; ANGLES]);
+            let mut angles = [0.0; ANGLES];
+            let of_bodies = angles.iter_mut().zip(positions);
+            of_bodies.for_each(|(angle, position)| *angle = position[2]);
+            let found = S::as_mut_simd_f64s(&mut sines).0.iter_mut();
+            let found = found.zip(S::as_mut_simd_f64s(&mut cosines).0);
+            for ((sine, cosine), angle) in found.zip(S::as_simd_f64s(&angles).0) {
+                let (s, c) = sin_cos(load(simd, angle));
+                (*sine, *cosine) = (s.values(), c.values());
+            }
+            let directions = cosines
+                .into_iter()
+                .zip(sines)
+                .map(|(cosine, sine)| Vec2::new(cosine, sine));
+            let bodies = positions.iter().zip(velocities).zip(directions);
+            for ((position, velocity), direction) in bodies {
+                if let Some(frame) = self.frames.next() {
+                    *frame = Frame::directed(*position, direction, *velocity);
+                }
+            }
+        }
+    }
+}
+
 /// State less the integrator's solution: the sum of the corrections of all projections.
 ///
 /// During a step the shift of velocities is constant and that of coordinates grows at its rate. Thus dq/dt = v holds in the
@@ -115,5 +168,37 @@ impl Shift {
             0.0
         };
         value + self.values[i] + grown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multibody::{Body, Mechanism};
+
+    #[test]
+    fn frames_are_those_of_the_angles_of_the_free_bodies() {
+        let body = |k: usize| {
+            let body = Body::new(format!("body {k}"), 1.0, 1.0);
+            if k == 2 { body.fixed() } else { body }
+        };
+        let bodies = (0..8).map(body).collect();
+        let mechanism = Mechanism {
+            bodies,
+            ..Mechanism::default()
+        };
+        let model = MechanismModel::compile(&mechanism).unwrap();
+        let mut frames = model.start_frames();
+        let kept = frames.clone();
+        let state: Vec<f64> = (0..42)
+            .map(|i| 7.0 * f64::from(i).sin() + f64::from(i))
+            .collect();
+        model.place(&mut frames, &state);
+        assert_eq!(model.read_state(&frames), state);
+        for (body, frame) in frames.iter().enumerate() {
+            let direction = frame.turned(Vec2::x());
+            assert!((direction - crate::geometry::unit(frame.angle)).norm() < 4e-16);
+            assert_eq!(body == 0 || body == 3, *frame == kept[body]);
+        }
     }
 }

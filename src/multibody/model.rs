@@ -13,6 +13,7 @@ use super::description::joint::{Joint, JointKind};
 use super::{GROUND, Mechanism};
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, turned_left};
+use crate::math::simd::InstructionSet;
 
 /// Compiled mechanism, immutable during a run. Body 0 is the ground.
 #[derive(Debug, Clone)]
@@ -44,6 +45,9 @@ pub struct MechanismModel {
     pub(crate) pins: Vec<Pin>,
     /// Whether the energy sums are under error control.
     pub(crate) watches_energy: bool,
+    /// Lower bound of the size of the mechanism \[m\]: [`Self::size_of_parts`].
+    pub(crate) least_size: f64,
+    pub(super) instructions: InstructionSet,
 }
 
 impl MechanismModel {
@@ -93,11 +97,15 @@ impl MechanismModel {
             watches_energy: mechanism.contacts.iter().any(|c| c.law.lets_go()),
             sides: Vec::new(),
             sides_of_contact: Vec::new(),
+            least_size: 0.0,
+            // Four angles at once: see `MechanismModel::place`.
+            instructions: InstructionSet::detect_for(4),
         };
         let frames = model.start_frames();
         model.add_joints(mechanism, &frames)?;
         model.add_forces(mechanism, &frames)?;
         model.add_contacts(mechanism)?;
+        model.least_size = model.size_of_parts();
         Ok(model)
     }
 

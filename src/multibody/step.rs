@@ -93,9 +93,16 @@ impl MechanismDynamics {
             self.work.inside = state;
             return Err(Error::JointsApart { time: t, residuals });
         }
-        for (i, (shift, x)) in self.shift.values.iter_mut().zip(&state).enumerate() {
-            // The new shift is the projected state less the integrator's solution.
-            *shift = x - solution[self.model.component(i)];
+        // The new shift is the projected state less the integrator's solution.
+        let (n, unknowns) = (self.model.coordinates(), self.model.unknowns());
+        let solutions = [&solution[..n], &solution[unknowns..unknowns + n]];
+        let count = n.max(1);
+        let shifts = self.shift.values.chunks_exact_mut(count);
+        let states = state.chunks_exact(count);
+        for ((shift, state), solution) in shifts.zip(states).zip(solutions) {
+            for ((shift, x), solution) in shift.iter_mut().zip(state).zip(solution) {
+                *shift = x - solution;
+            }
         }
         self.shift.time = t;
         self.work.inside = state;

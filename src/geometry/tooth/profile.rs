@@ -15,6 +15,7 @@ pub use contact::ToothContact;
 
 use super::flank::{Flank, SurfacePiece};
 use crate::geometry::{AnsiCurves, Vec2, unit};
+use crate::math::simd::arc_tangent;
 
 /// Position of the centre of the seating curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -77,6 +78,8 @@ pub struct ToothProfile {
     flanks: Vec<Range<usize>>,
     /// Damaged teeth and their flanks.
     damaged: Vec<(u32, usize)>,
+    /// Unit vectors from the centre through the middle of each gap; that of gap 0 lies along x.
+    gap_directions: Vec<Vec2>,
 }
 
 impl ToothProfile {
@@ -96,6 +99,9 @@ impl ToothProfile {
             flanks: vec![0..flank.pieces.len(); 1],
             surfaces: flank.pieces,
             damaged: Vec::new(),
+            gap_directions: (0..teeth)
+                .map(|gap| unit(f64::from(gap) * (2.0 * PI / f64::from(teeth))))
+                .collect(),
         }
     }
 
@@ -221,6 +227,21 @@ impl ToothProfile {
     #[must_use]
     pub fn gap_angle(&self) -> f64 {
         2.0 * PI / f64::from(self.teeth)
+    }
+
+    /// Return the unit vector from the sprocket's centre through the middle of a gap, in the sprocket's frame.
+    pub(crate) fn gap_direction(&self, gap: u32) -> Vec2 {
+        self.gap_directions[gap as usize]
+    }
+
+    /// Return the gap nearest to the direction of a point in the sprocket's frame.
+    pub(crate) fn gap_towards(&self, point: Vec2) -> u32 {
+        let beside = arc_tangent(point.y / point.x);
+        self.nearest_gap(if point.x < 0.0 {
+            beside + PI.copysign(point.y)
+        } else {
+            beside
+        })
     }
 
     /// Return the gap nearest to the direction `angle` \[rad\], between -π and π, in the sprocket's frame.
@@ -353,6 +374,7 @@ mod tests {
                 for off in [-0.49, 0.0, 0.49] {
                     let direction = unit((f64::from(gap) + off) * p.gap_angle());
                     assert_eq!(p.nearest_gap(direction.y.atan2(direction.x)), gap);
+                    assert_eq!(p.gap_towards(0.7 * direction), gap);
                 }
             }
         }

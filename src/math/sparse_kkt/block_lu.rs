@@ -12,9 +12,9 @@ use std::collections::BTreeSet;
 
 use pulp::{Simd, WithSimd};
 
-use tile::{inverse, less_image, minus_product, negative, subtract_product};
+use tile::{inverse, less_image, negative, product, subtract_product};
 
-use super::symbolic::{least_degree_order, patterns, upper_triangle};
+use super::symbolic::{Tie, least_degree_order, patterns, upper_triangle};
 use crate::math::simd::InstructionSet;
 
 /// A block by columns. The fourth number of a column is zero; it fills a SIMD vector.
@@ -25,26 +25,38 @@ pub(crate) type Part = [f64; 4];
 
 const ZERO: Tile = [[0.0; 4]; 3];
 
+/// A later node of a live pair, and its number of unknowns.
+#[derive(Debug, Clone, Copy)]
+struct Later {
+    node: usize,
+    size: usize,
+    /// Number of the pair among those of the earlier node.
+    local: usize,
+}
+
 /// Matrix and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct BlockLu {
     /// Place of each node in the order of elimination.
     place: Vec<usize>,
-    /// Number of unknowns of each node, in the order of elimination.
+    /// Number of unknowns of each node, in the order of elimination: two or three. A node of one unknown has a second one, decoupled.
     sizes: Vec<usize>,
+    /// Nodes of one unknown.
+    single: Vec<usize>,
     /// Pairs of adjacent nodes: those of node k with later nodes are `start[k]..start[k + 1]`, and `later` is the other node.
     start: Vec<usize>,
     later: Vec<usize>,
     /// For every two pairs of one node, the pair of their later nodes.
     target_start: Vec<usize>,
     targets: Vec<usize>,
-    /// Diagonal blocks, then for each pair of nodes k, i the blocks (k, i) and (i, k).
+    /// Diagonal blocks, after a factorisation minus the inverses of the pivots; then for each pair of nodes k, i the blocks (k, i) and (i, k).
     tiles: Vec<Tile>,
     /// Pairs whose blocks are not zero at present.
     live: Vec<bool>,
-    /// The live pairs of each node after a factorisation.
-    active_start: Vec<usize>,
-    active: Vec<usize>,
+    /// Factors: the number of live pairs of each node, then by pair the later node, the block of U and that of -L.
+    counts: Vec<usize>,
+    active: Vec<Later>,
+    factors: Vec<[Tile; 2]>,
     /// Right-hand side and solution, in the order of elimination.
     right: Vec<Part>,
     instructions: InstructionSet,
@@ -55,7 +67,7 @@ impl BlockLu {
     /// nodes of each.
     pub(crate) fn new(sizes: &[usize], first_joint: usize, neighbours: &[BTreeSet<usize>]) -> Self {
         let n = sizes.len();
-        let order = least_degree_order(neighbours.to_vec(), first_joint);
+        let order = least_degree_order(neighbours.to_vec(), first_joint, Tie::Untouched);
         let mut place = vec![0; n];
         for (k, &node) in order.iter().enumerate() {
             place[node] = k;
@@ -85,11 +97,13 @@ impl BlockLu {
             }
         }
         Self {
-            sizes: order.iter().map(|&node| sizes[node]).collect(),
+            sizes: order.iter().map(|&node| sizes[node].max(2)).collect(),
+            single: (0..n).filter(|&k| sizes[order[k]] == 1).collect(),
             tiles: vec![ZERO; n + 2 * later.len()],
             live: vec![false; later.len()],
-            active_start: vec![0; n + 1],
+            counts: vec![0; n],
             active: Vec::with_capacity(later.len()),
+            factors: Vec::with_capacity(later.len()),
             right: vec![[0.0; 4]; n],
             // A column of a block is one AVX2 register.
             instructions: InstructionSet::detect_for(ZERO[0].len()),
@@ -124,16 +138,21 @@ impl BlockLu {
         self.sizes.len() + 2 * pair
     }
 
-    /// Set all entries to zero.
-    pub(crate) fn clear(&mut self) {
+    /// Set all entries to zero, except for the diagonal blocks of the nodes from `first_joint` on, in the order of description.
+    pub(crate) fn clear(&mut self, first_joint: usize) {
         self.live.fill(false);
-        for (tile, &size) in self.tiles.iter_mut().zip(&self.sizes) {
-            *tile = ZERO;
-            // Unknowns that pad a node are decoupled.
-            for (k, column) in tile.iter_mut().enumerate().skip(size) {
-                column[k] = 1.0;
-            }
+        for &node in &self.place[first_joint..] {
+            self.tiles[node] = ZERO;
         }
+        for &node in &self.single {
+            self.tiles[node][1][1] = 1.0;
+        }
+    }
+
+    /// Write the diagonal entries of a node, in the order of elimination; its other ones become zero.
+    #[inline]
+    pub(crate) fn write_diagonal(&mut self, node: usize, [x, y, z]: [f64; 3]) {
+        self.tiles[node] = [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0]];
     }
 
     /// Return a block for the addition of entries.
@@ -143,6 +162,15 @@ impl BlockLu {
             self.revive(beyond / 2);
         }
         &mut self.tiles[block]
+    }
+
+    /// Write both blocks of a pair of nodes; `block` is the number of the one in the row of the node that is eliminated first.
+    #[inline]
+    pub(crate) fn write_pair(&mut self, block: usize, upper: &Tile, lower: &Tile) {
+        self.live[(block - self.sizes.len()) / 2] = true;
+        if let [to_upper, to_lower, ..] = &mut self.tiles[block..] {
+            (*to_upper, *to_lower) = (*upper, *lower);
+        }
     }
 
     /// Set the blocks of a pair to zero if they are left from an earlier matrix.
@@ -176,50 +204,51 @@ impl BlockLu {
         self.instructions.run(Substitute(self));
     }
 
-    /// Eliminate node k from all later nodes: A(i, j) -= A(i, k) A(k, k)⁻¹ A(k, j).
+    /// Eliminate node k, which has K unknowns, from all later nodes: A(i, j) -= A(i, k) A(k, k)⁻¹ A(k, j).
     #[inline(always)]
-    fn eliminate<S: Simd>(&mut self, simd: S, k: usize) -> bool {
-        let Some(inverse) = inverse(&self.tiles[k], self.sizes[k]) else {
+    fn eliminate<S: Simd, const K: usize>(&mut self, simd: S, k: usize) -> bool {
+        let nodes = self.sizes.len();
+        let (begin, end) = (self.start[k], self.start[k + 1]);
+        // The blocks of node k stand before those that its elimination changes.
+        let (before, after) = self.tiles.split_at_mut(nodes + 2 * end);
+        let (diagonal, own) = before.split_at_mut(nodes);
+        let own = &own[2 * begin..];
+        let Some(inverse) = inverse::<K>(&diagonal[k]) else {
             return false;
         };
-        self.tiles[k] = inverse;
         let minus = negative(&inverse);
+        diagonal[k] = minus;
         let first = self.active.len();
-        let (begin, end) = (self.start[k], self.start[k + 1]);
-        for pair in begin..end {
-            if self.live[pair] {
-                self.active.push(pair);
-                let lower = self.tiles_of(pair) + 1;
-                self.tiles[lower] = minus_product(simd, &self.tiles[lower], &minus);
+        let (active, factors, live) = (&mut self.active, &mut self.factors, &mut self.live[..]);
+        let pairs = self.later[begin..end].iter().zip(&live[begin..end]);
+        for (local, ((&node, &live), blocks)) in pairs.zip(own.as_chunks().0).enumerate() {
+            if live {
+                let [upper, lower]: &[Tile; 2] = blocks;
+                let (size, lower) = (self.sizes[node], product::<S, K>(simd, lower, &minus));
+                active.push(Later { node, size, local });
+                factors.push([*upper, lower]);
+                subtract_product::<S, K>(simd, &mut diagonal[node], &lower, upper, size);
             }
         }
-        let last = self.active.len();
-        self.active_start[k + 1] = last;
-        for b in first..last {
-            let pair_b = self.active[b];
-            let (j, at_b) = (self.later[pair_b], self.tiles_of(pair_b));
-            let (upper, lower) = (self.tiles[at_b], self.tiles[at_b + 1]);
-            subtract_product(simd, &mut self.tiles[j], &lower, &upper);
-            let local = pair_b - begin;
-            let targets = self.target_start[k] + local * local.saturating_sub(1) / 2;
-            for a in first..b {
-                let pair_a = self.active[a];
-                let at_a = self.tiles_of(pair_a);
-                let (upper_a, lower_a) = (self.tiles[at_a], self.tiles[at_a + 1]);
-                let target = self.targets[targets + pair_a - begin];
-                self.revive(target);
-                let at = self.tiles_of(target);
-                subtract_product(simd, &mut self.tiles[at], &lower_a, &upper);
-                subtract_product(simd, &mut self.tiles[at + 1], &lower, &upper_a);
+        self.counts[k] = active.len() - first;
+        let (active, factors) = (&active[first..], &factors[first..]);
+        let targets = &self.targets[self.target_start[k]..];
+        for (b, (pair, [upper, lower])) in active.iter().zip(factors).enumerate() {
+            let targets = &targets[pair.local * pair.local.saturating_sub(1) / 2..];
+            for (other, [upper_other, lower_other]) in active[..b].iter().zip(factors) {
+                let target = targets[other.local];
+                let [to_upper, to_lower, ..] = &mut after[2 * (target - end)..] else {
+                    return false;
+                };
+                if !live[target] {
+                    live[target] = true;
+                    (*to_upper, *to_lower) = (ZERO, ZERO);
+                }
+                subtract_product::<S, K>(simd, to_upper, lower_other, upper, pair.size);
+                subtract_product::<S, K>(simd, to_lower, lower, upper_other, other.size);
             }
         }
         true
-    }
-
-    /// Return the live pairs of node k.
-    #[inline(always)]
-    fn live_pairs(&self, k: usize) -> &[usize] {
-        &self.active[self.active_start[k]..self.active_start[k + 1]]
     }
 }
 
@@ -231,9 +260,16 @@ impl WithSimd for Eliminate<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        self.0.active.clear();
-        for k in 0..self.0.sizes.len() {
-            if !self.0.eliminate(simd, k) {
+        let lu = self.0;
+        lu.active.clear();
+        lu.factors.clear();
+        for k in 0..lu.sizes.len() {
+            let regular = if lu.sizes[k] == 3 {
+                lu.eliminate::<S, 3>(simd, k)
+            } else {
+                lu.eliminate::<S, 2>(simd, k)
+            };
+            if !regular {
                 return false;
             }
         }
@@ -250,25 +286,25 @@ impl WithSimd for Substitute<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let lu = self.0;
-        let mut right = std::mem::take(&mut lu.right);
-        for k in 0..lu.sizes.len() {
+        // Unknowns that a node lacks are zero, so that all nodes are taken alike, without branches.
+        let right = &mut lu.right[..];
+        let mut pairs = lu.active.iter().zip(&lu.factors);
+        for (k, &count) in lu.counts.iter().enumerate() {
             let known = right[k];
-            for &pair in lu.live_pairs(k) {
-                let tile = &lu.tiles[lu.tiles_of(pair) + 1];
-                let other = lu.later[pair];
-                right[other] = less_image(simd, &right[other], tile, &known);
+            for (pair, [_, lower]) in pairs.by_ref().take(count) {
+                let sum = &mut right[pair.node];
+                *sum = less_image::<S, 3>(simd, sum, lower, &known);
             }
         }
-        for k in (0..lu.sizes.len()).rev() {
+        let mut pairs = lu.active.iter().zip(&lu.factors).rev();
+        let nodes = lu.counts.iter().zip(&lu.tiles).enumerate();
+        for (k, (&count, minus_inverse)) in nodes.rev() {
             let mut rest = right[k];
-            for &pair in lu.live_pairs(k) {
-                let tile = &lu.tiles[lu.tiles_of(pair)];
-                rest = less_image(simd, &rest, tile, &right[lu.later[pair]]);
+            for (pair, [upper, _]) in pairs.by_ref().take(count) {
+                rest = less_image::<S, 3>(simd, &rest, upper, &right[pair.node]);
             }
-            let minus = [-rest[0], -rest[1], -rest[2], 0.0];
-            right[k] = less_image(simd, &[0.0; 4], &lu.tiles[k], &minus);
+            right[k] = less_image::<S, 3>(simd, &[0.0; 4], minus_inverse, &rest);
         }
-        lu.right = right;
     }
 }
 

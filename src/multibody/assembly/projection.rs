@@ -242,16 +242,15 @@ impl Projector<'_> {
         let mut before = f64::INFINITY;
         // The velocity equation G v + ∂c/∂t = 0 is linear, so one correction suffices with exact factors. Further ones reduce
         // round-off and the error of factors of a nearby state.
-        for _ in 0..4 {
-            for (r, row) in residual.iter_mut().zip(&self.constraints.rows) {
-                *r = row.rate(self.frames);
-            }
+        for corrections in 0..=4 {
+            (held.kkt.jacobian).multiply(&self.constraints.rows, &state[n..2 * n], residual);
+            let rates = residual.iter_mut().zip(&self.constraints.rows);
+            rates.for_each(|(rate, row)| *rate += row.time_rate);
             let worst = largest(residual.iter().copied());
-            if worst <= round_off {
-                return true;
-            }
-            if worst >= before {
-                break;
+            let last = corrections == 4 || worst >= before;
+            if worst <= round_off || last {
+                self.model.move_with(self.frames, state);
+                return worst <= round_off.max(left * speed);
             }
             if !held.fresh && worst > SLOW * before && worst > TELLING * round_off {
                 self.factorise_held(held);
@@ -263,13 +262,7 @@ impl Projector<'_> {
                 .iter_mut()
                 .zip(&*change)
                 .for_each(|(v, c)| *v += c);
-            self.model.move_with(self.frames, state);
         }
-        largest(
-            self.constraints
-                .rows
-                .iter()
-                .map(|row| row.rate(self.frames)),
-        ) <= left * speed
+        false
     }
 }

@@ -10,14 +10,19 @@ impl MechanismModel {
     /// It is at least the smallest radius of gyration, as all points may coincide.
     pub(crate) fn size(&self, frames: &[Frame]) -> f64 {
         let far = frames.iter().map(|f| f.origin.amax());
+        let size = far.fold(self.least_size, f64::max);
+        if size > 0.0 { size } else { 1.0 }
+    }
+
+    /// Return the part of the size that does not depend on the positions \[m\].
+    pub(crate) fn size_of_parts(&self) -> f64 {
         let ends = self.equations.iter();
         let arms = ends.map(|e| e.a.point.amax().max(e.b.point.amax()));
         let gyration = self.mass.chunks_exact(3);
         let gyration = gyration.map(|body| (body[2] / body[0]).sqrt());
         let least = gyration.filter(|&radius| radius > 0.0).reduce(f64::min);
         let least = least.filter(|radius| radius.is_finite());
-        let size = far.chain(arms).chain(least).fold(0.0, f64::max);
-        if size > 0.0 { size } else { 1.0 }
+        arms.chain(least).fold(0.0, f64::max)
     }
 }
 
@@ -30,9 +35,10 @@ impl ConstraintState {
     /// Return the same for a given size \[m\]; not a number where a residual is.
     pub(crate) fn worst_beside(&self, model: &MechanismModel, size: f64) -> f64 {
         let equations = model.equations.iter().zip(&self.rows);
+        let part = 1.0 / size;
         largest(equations.map(|(equation, row)| {
-            let unit = if equation.is_angle() { 1.0 } else { size };
-            row.value / unit
+            let part = if equation.is_angle() { 1.0 } else { part };
+            row.value * part
         }))
     }
 
@@ -52,13 +58,9 @@ pub(super) fn round_off(frames: &[Frame]) -> f64 {
 
 /// Return the largest magnitude; not a number where one of the values is: `f64::max` would ignore it.
 pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    values.fold(0.0, |most: f64, value| {
-        if most.is_nan() || value.is_nan() {
-            f64::NAN
-        } else {
-            most.max(value.abs())
-        }
-    })
+    // The bits of magnitudes are in their order, those of NaN above all others.
+    let bits = values.map(|value| value.abs().to_bits());
+    f64::from_bits(bits.max().unwrap_or(0))
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! Constraints at the last evaluation: rows, factors, multipliers, and their rank away from singular positions.
 
+use std::sync::Arc;
+
 use super::equation::Row;
+use super::jacobian::{Group, Jacobian};
 use super::pin_friction::PinTorques;
 use super::sparse_kkt::SparseKkt;
 use crate::multibody::description::body::Frame;
@@ -13,6 +16,7 @@ const FAINT: f64 = 0.1;
 #[derive(Debug, Clone)]
 pub(crate) struct ConstraintState {
     pub(crate) rows: Vec<Row>,
+    jacobian: Arc<Jacobian>,
     /// Factors of the constraints; `None` without constraints.
     pub(crate) kkt: Option<SparseKkt>,
     pub(crate) multipliers: Vec<f64>,
@@ -31,9 +35,15 @@ impl ConstraintState {
     /// Return the constraints of a model, not yet evaluated.
     pub(crate) fn new(model: &MechanismModel) -> Self {
         let (n, m) = (model.coordinates(), model.constraints());
+        let frames = model.start_frames();
+        let equations = model.equations.iter();
+        let jacobian = Arc::new(Jacobian::of(model));
         Self {
-            rows: vec![Row::default(); m],
-            kkt: (m > 0).then(|| SparseKkt::of(model)),
+            rows: equations
+                .map(|equation| equation.evaluate(0.0, &frames))
+                .collect(),
+            kkt: (m > 0).then(|| SparseKkt::new(model, Arc::clone(&jacobian))),
+            jacobian,
             multipliers: vec![0.0; m],
             pin_torques: PinTorques::new(model.pins.len(), n),
             near_singular: 0.0,
@@ -45,19 +55,10 @@ impl ConstraintState {
 
     /// Evaluate the constraint equations at the body frames.
     pub(crate) fn find_rows(&mut self, model: &MechanismModel, t: f64, frames: &[Frame]) {
-        for range in &model.equations_of_joint {
-            let equations = &model.equations[range.clone()];
-            let rows = &mut self.rows[range.clone()];
-            let mut done = 0;
-            // Both equations of a point share the arms.
-            if let ([first, _, ..], Some(point)) = (equations, rows.first_chunk_mut())
-                && first.begins_point()
-            {
-                *point = first.evaluate_point(frames);
-                done = point.len();
-            }
-            for (row, equation) in rows.iter_mut().zip(equations).skip(done) {
-                *row = equation.evaluate(t, frames);
+        for group in &self.jacobian.groups {
+            match group {
+                Group::Point(point) => point.evaluate(frames, &mut self.rows),
+                Group::Single(row) => self.rows[*row] = model.equations[*row].evaluate(t, frames),
             }
         }
     }

@@ -114,31 +114,6 @@ impl Equation {
         self.quantity == Quantity::Coincident(0) && self.offset == 0.0 && self.motion.is_none()
     }
 
-    /// Evaluate this equation and the next one, which keep two points together, at the state of the bodies.
-    pub(crate) fn evaluate_point(&self, frames: &[Frame]) -> [Row; 2] {
-        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let (arm_a, arm_b) = (fa.turned(self.a.point), fb.turned(self.b.point));
-        let d = (fb.origin - fa.origin) + (arm_b - arm_a);
-        let (left_a, left_b) = (turned_left(arm_a), turned_left(arm_b));
-        let centripetal = fa.spin * fa.spin * arm_a - fb.spin * fb.spin * arm_b;
-        let bodies = [self.a.body, self.b.body, self.carrier];
-        [0, 1].map(|axis| {
-            let mut jacobian = [
-                [0.0, 0.0, -left_a[axis]],
-                [0.0, 0.0, left_b[axis]],
-                [0.0; 3],
-            ];
-            (jacobian[0][axis], jacobian[1][axis]) = (-1.0, 1.0);
-            Row {
-                value: d[axis],
-                bodies,
-                jacobian,
-                time_rate: 0.0,
-                gamma: -centripetal[axis],
-            }
-        })
-    }
-
     /// Evaluate the equation at time `t` and the state of the bodies.
     pub(crate) fn evaluate(&self, t: f64, frames: &[Frame]) -> Row {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);

@@ -49,9 +49,6 @@ pub(crate) struct PairTorque {
     pub(crate) by_spin: f64,
 }
 
-/// Numbers of the coordinates that are angles.
-const ANGLES: [usize; 2] = [2, 5];
-
 impl Pair {
     /// Return the pair of points a and b; `seen_from_a`: d is measured relative to body a.
     pub(crate) fn new(a: End, b: End, frames: &[Frame], seen_from_a: bool) -> Self {
@@ -181,16 +178,18 @@ impl Pair {
         by_place: f64,
         block: &mut Block,
     ) {
-        let [turn_a, turn_b] = ANGLES.map(|k| self.first(k));
-        // Change of the force by one coordinate. The columns of the two points' displacements differ in their signs.
-        let change = |l: usize, first: Vec2| {
-            let turning = self.turning(l);
-            let with_velocity = force.by_velocity * first;
-            let with_place = force.by_place * first + force.by_velocity * turning;
-            by_velocity * with_velocity + by_place * with_place
-        };
-        let [x, y] = [3, 4].map(|l| change(l, self.first(l)));
-        let columns = [-x, -y, change(2, turn_a), x, y, change(5, turn_b)];
+        // Change of the force by a displacement and by a change of the relative velocity.
+        let by_change = by_place * force.by_velocity;
+        let by_shift = by_velocity * force.by_velocity + by_place * force.by_place;
+        let [turns_a, turns_b] = self.turnings();
+        // A displacement changes the velocity relative to a by the spin of a.
+        let spin = if self.seen_from_a { self.v[2] } else { 0.0 };
+        let [x, y] =
+            [Vec2::x(), Vec2::y()].map(|e| by_shift * e - spin * (by_change * turned_left(e)));
+        let [turn_a, turn_b] = [2, 5].map(|k| self.first(k));
+        let by_turn_a = by_shift * turn_a + by_change * turns_a;
+        let by_turn_b = by_shift * turn_b + by_change * turns_b;
+        let columns = [-x, -y, by_turn_a, x, y, by_turn_b];
         for (l, column) in columns.iter().enumerate() {
             block[0][l] -= column.x;
             block[1][l] -= column.y;
@@ -199,32 +198,35 @@ impl Pair {
             block[4][l] += column.y;
             block[5][l] += turn_b.dot(column);
         }
-        if by_place == 0.0 {
+        // The force itself times ∂²d/∂q².
+        let along = by_place * force.force;
+        block[5][5] -= along.dot(&self.arms[1]);
+        if !self.seen_from_a {
+            block[2][2] += along.dot(&self.arms[0]);
             return;
         }
-        let along = by_place * force.force;
-        for k in ANGLES {
-            #[allow(clippy::needless_range_loop)] // l is a column of one line and a line of another
-            for l in 0..6 {
-                let bend = along.dot(&self.second(k, l));
-                block[k][l] += bend;
-                if !ANGLES.contains(&l) {
-                    block[l][k] += bend;
-                }
-            }
+        block[2][2] -= along.dot(&(self.arms[0] + self.d));
+        let beside = along.dot(&self.arms[1]);
+        for (l, bend) in [
+            (0, along.y),
+            (1, -along.x),
+            (3, -along.y),
+            (4, along.x),
+            (5, beside),
+        ] {
+            block[2][l] += bend;
+            block[l][2] += bend;
         }
     }
 
-    /// Return the derivative of the relative velocity with respect to a coordinate.
-    fn turning(&self, l: usize) -> Vec2 {
-        if !self.seen_from_a {
-            return self.rate_by(l);
-        }
-        // ∂²d/∂q² of two coordinates vanishes without an angle.
-        if ANGLES.contains(&l) {
-            (0..6).map(|j| self.v[j] * self.second(j, l)).sum()
+    /// Return the derivatives of the relative velocity with respect to both angles.
+    fn turnings(&self) -> [Vec2; 2] {
+        let ([arm_a, arm_b], [spin_a, spin_b]) = (self.arms, [self.v[2], self.v[5]]);
+        if self.seen_from_a {
+            let seen = -turned_left(self.rate()) - spin_a * self.d;
+            [seen, (spin_a - spin_b) * arm_b]
         } else {
-            ANGLES.map(|j| self.v[j] * self.second(j, l)).iter().sum()
+            [spin_a * arm_a, -spin_b * arm_b]
         }
     }
 }

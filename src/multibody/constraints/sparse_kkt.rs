@@ -7,21 +7,23 @@
 //! precision.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use super::equation::Row;
+use super::jacobian::{Jacobian, by_body};
 use crate::math::double_double::{Number, Twice};
 use crate::math::sparse_kkt::ldlt::{Factors, Structure};
 use crate::math::sparse_kkt::null_space::NullSpace;
 use crate::math::sparse_kkt::symbolic::{
-    least_degree_order, patterns, rows_on_bodies, upper_triangle,
+    Tie, least_degree_order, patterns, rows_on_bodies, upper_triangle,
 };
 use crate::multibody::model::MechanismModel;
 
 /// Factors L D Lᵀ of S, with work arrays.
 #[derive(Debug, Clone)]
 pub(crate) struct SparseKkt {
-    inverse_mass: Vec<f64>,
-    first: Vec<Option<usize>>,
+    pub(crate) inverse_mass: Vec<f64>,
+    pub(crate) jacobian: Arc<Jacobian>,
     /// Place of each constraint in the order of elimination.
     place: Vec<usize>,
     /// Products of rows of G that contribute to the entries of S.
@@ -35,6 +37,8 @@ pub(crate) struct SparseKkt {
     /// Multipliers without effect on the motion, where constraints were left out; `None` until they are needed.
     null_space: Option<NullSpace>,
     right: Vec<f64>,
+    /// Work array: G times the accelerations.
+    product: Vec<f64>,
 }
 
 /// Contribution of two constraints on the same body to an entry of S.
@@ -54,17 +58,12 @@ const DEPENDENT: f64 = 1e-10;
 const ROUNDED: f64 = 1e-6;
 
 impl SparseKkt {
-    /// Return the factors for the constraints of `model`.
-    pub(crate) fn of(model: &MechanismModel) -> Self {
+    /// Return the factors for the constraints of `model`; all masses must be above zero.
+    pub(crate) fn new(model: &MechanismModel, jacobian: Arc<Jacobian>) -> Self {
         let bodies = model.equations.iter();
         let bodies: Vec<_> = bodies.map(|e| [e.a.body, e.b.body, e.carrier]).collect();
-        Self::new(&model.mass, &model.first, &bodies)
-    }
-
-    /// Return the factors for constraints between `bodies`; all masses must be above zero.
-    fn new(mass: &[f64], first: &[Option<usize>], bodies: &[[usize; 3]]) -> Self {
-        let m = bodies.len();
-        let on_body = rows_on_bodies(first, bodies);
+        let (m, first) = (bodies.len(), &model.first);
+        let on_body = rows_on_bodies(first, &bodies);
         // Two constraints have an entry in S where they act on a common body.
         let mut neighbours = vec![BTreeSet::new(); m];
         for rows in &on_body {
@@ -72,7 +71,7 @@ impl SparseKkt {
                 neighbours[i].extend(rows.iter().map(|&(j, _)| j).filter(|&j| j != i));
             }
         }
-        let order = least_degree_order(neighbours.clone(), m);
+        let order = least_degree_order(neighbours.clone(), m, Tie::Described);
         let mut place = vec![0; m];
         for (k, &row) in order.iter().enumerate() {
             place[row] = k;
@@ -99,8 +98,8 @@ impl SparseKkt {
         let pattern = patterns(&start, &above);
         let structure = Structure::new((start, above), pattern);
         Self {
-            inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
-            first: first.to_vec(),
+            inverse_mass: model.mass.iter().map(|m| 1.0 / m).collect(),
+            jacobian,
             place,
             meetings,
             factors: Factors::new(&structure),
@@ -109,6 +108,7 @@ impl SparseKkt {
             twice: None,
             null_space: None,
             right: vec![0.0; m],
+            product: vec![0.0; m],
         }
     }
 
@@ -225,54 +225,16 @@ impl SparseKkt {
 
     /// Return the diagonal entry of G M⁻¹ Gᵀ of one row.
     pub(crate) fn diagonal(&self, row: &Row) -> f64 {
-        let mut sum = 0.0;
-        for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-            if let Some(first) = self.first[*body] {
-                let inverse = &self.inverse_mass[first..first + 3];
-                sum += part
-                    .iter()
-                    .zip(inverse)
-                    .map(|(j, inverse)| j * j * inverse)
-                    .sum::<f64>();
-            }
-        }
-        sum
+        let squares = self.jacobian.parts(row).map(|(first, part)| {
+            let inverse = by_body(&self.inverse_mass)[first / 3];
+            (0..3).map(|k| part[k] * part[k] * inverse[k]).sum::<f64>()
+        });
+        squares.sum()
     }
 
-    /// Return G x of one row.
-    pub(crate) fn along(&self, row: &Row, x: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-            if let Some(first) = self.first[*body]
-                && let [x, y, angle] = x[first..first + 3]
-            {
-                sum += part[0] * x + part[1] * y + part[2] * angle;
-            }
-        }
-        sum
-    }
-
-    /// Add M⁻¹ Gᵀ λ times `sign` to `x`.
-    pub(crate) fn push(
-        &self,
-        rows: &[Row],
-        sign: f64,
-        lambda: impl Fn(usize) -> f64,
-        x: &mut [f64],
-    ) {
-        for (i, row) in rows.iter().enumerate() {
-            let lambda = sign * lambda(i);
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = self.first[*body] {
-                    let inverse = &self.inverse_mass[first..first + 3];
-                    for ((x, inverse), part) in
-                        x[first..first + 3].iter_mut().zip(inverse).zip(part)
-                    {
-                        *x += inverse * part * lambda;
-                    }
-                }
-            }
-        }
+    /// Add M⁻¹ Gᵀ λ to `x`.
+    pub(crate) fn push(&self, rows: &[Row], lambda: impl Fn(usize) -> f64, x: &mut [f64]) {
+        (self.jacobian).add_transposed(rows, lambda, &self.inverse_mass, x);
     }
 
     /// Solve M a + Gᵀ λ = f, G a = γ for accelerations and multipliers, with iterative refinement.
@@ -291,11 +253,13 @@ impl SparseKkt {
         // before.
         let passes = if self.factors.least > ROUNDED { 2 } else { 3 };
         for _ in 0..passes {
-            for (i, row) in rows.iter().enumerate() {
-                self.right[self.place[i]] = self.along(row, accelerations) - row.gamma;
+            (self.jacobian).multiply(rows, accelerations, &mut self.product);
+            let lacks = self.product.iter().zip(rows);
+            for ((along, row), &place) in lacks.zip(&self.place) {
+                self.right[place] = along - row.gamma;
             }
             self.solve_factors();
-            self.push(rows, -1.0, |i| self.right[self.place[i]], accelerations);
+            self.push(rows, |i| -self.right[self.place[i]], accelerations);
             for (lambda, &place) in multipliers.iter_mut().zip(&self.place) {
                 *lambda += self.right[place];
             }
@@ -318,7 +282,7 @@ impl SparseKkt {
         }
         self.solve_factors();
         let rows = &self.factorised;
-        self.push(rows, -1.0, |i| self.right[self.place[i]], change);
+        self.push(rows, |i| -self.right[self.place[i]], change);
     }
 }
 

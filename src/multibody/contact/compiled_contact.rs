@@ -236,10 +236,9 @@ impl CompiledContact {
                 return;
             }
             let rate = inward.dot(&approach);
-            let force = self
-                .pair(candidate, memory)
-                .force(depth, rate, memory.speed);
-            let energy = self.pair(candidate, memory).energy(depth);
+            let law = self.law_on(candidate.piece, memory);
+            let force = law.force(depth, rate, memory.speed);
+            let energy = law.energy(depth);
             side_state.push -= candidate.weight * force.total * inward
                 + energy * fa.turned(candidate.weight_gradient);
             loads.elastic += candidate.weight * energy;
@@ -258,13 +257,10 @@ impl CompiledContact {
         deepest
     }
 
-    /// Return the contact law at a contact point. A contact keeps the law of the piece on which it began.
-    pub(crate) fn pair(&self, candidate: &ContactPoint, memory: Memory) -> &CompiledLaw {
-        &self.pairs[if memory.is_in_contact() {
-            memory.piece
-        } else {
-            candidate.piece
-        }]
+    /// Return the contact law at a contact point on `piece`. A contact keeps the law of the piece on which it began.
+    pub(crate) fn law_on(&self, piece: usize, memory: Memory) -> &CompiledLaw {
+        let began = memory.is_in_contact().then_some(memory.piece);
+        &self.pairs[began.unwrap_or(piece)]
     }
 
     /// Return the memory of a side without a force. It is [`Memory::BEHIND`] if the circle is behind an open outline without having

@@ -5,25 +5,68 @@ use nalgebra::Matrix2;
 use super::compiled_contact::CompiledContact;
 use super::contact_states::ContactStates;
 use super::impact_memory::{Memory, SideState};
+use crate::geometry::Vec2;
 use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
 use crate::multibody::description::body::Frame;
+use crate::multibody::description::contact_law::CompiledLaw;
 use crate::multibody::model::MechanismModel;
 
+/// A contact point with a force: penetration and its rate, the elastic law, and the rotation b of the normal per displacement.
+struct Pressed<'a> {
+    depth: f64,
+    rate: f64,
+    law: &'a CompiledLaw,
+    bend: f64,
+    normal: Vec2,
+    approach: Vec2,
+}
+
+impl Pressed<'_> {
+    /// Return the normal force f n with its derivatives: ∂δ/∂x = -n, ∂n/∂x = b (1 - n nᵀ) and ∂f/∂x = -k n - c (∂n/∂x v).
+    fn slopes(&self, memory: Memory) -> PairForce {
+        let n = self.normal;
+        let [force, stiffness, damping] = self.law.slopes(self.depth, self.rate, memory.speed);
+        let across = self.bend * (Matrix2::identity() - n * n.transpose());
+        let along = -stiffness * n - damping * (across * self.approach);
+        PairForce {
+            force: force * n,
+            by_place: n * along.transpose() + force * across,
+            by_velocity: -damping * (n * n.transpose()),
+        }
+    }
+}
+
 impl CompiledContact {
-    /// Call `visit` with the side and the force slopes of each contact point that has a force.
+    /// Call `visit` with the side and the force slopes of each contact point that has a force. `side_states` and `memory` are those of
+    /// the sides, evaluated at these frames.
     ///
-    /// The force on the circle is F = w f n - E ∇w, with outward normal n and weight w. The penetration rate is δ' = -n·v. The
-    /// derivatives are ∂δ/∂x = -n, ∂n/∂x = b (1 - n nᵀ) and ∂f/∂x = -k n - c (∂n/∂x v). Here b is the rotation of the normal.
+    /// The force on the circle is F = w f n - E ∇w, with outward normal n and weight w. The penetration rate is δ' = -n·v.
     pub(crate) fn slopes(
         &self,
         frames: &[Frame],
-        memory: &[Memory],
+        (side_states, memory): (&[SideState], &[Memory]),
         mut visit: impl FnMut(usize, &PairForce),
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let approach = self.approach(fa, fb);
-        let local = self.local(fa, fb);
-        self.contact_points(local, |candidate, _| {
+        let Some(outline) = &self.outline else {
+            // The only contact point is that of the evaluation.
+            let (found, memory) = (&side_states[0], memory[0]);
+            if found.contact.penetration > 0.0 {
+                let depth = found.contact.penetration;
+                let pressed = Pressed {
+                    depth,
+                    rate: found.contact.penetration_rate,
+                    law: self.law_on(found.piece, memory),
+                    bend: self.profile().bend(found.piece, self.radius - depth),
+                    normal: -found.contact.normal,
+                    approach,
+                };
+                visit(0, &pressed.slopes(memory));
+            }
+            return;
+        };
+        outline.contact_points(self.local(fa, fb), self.radius, |candidate| {
             let memory = memory[candidate.side];
             let depth = self.radius - candidate.distance;
             if depth <= 0.0 || !self.may_carry_force(candidate, memory) {
@@ -31,24 +74,25 @@ impl CompiledContact {
             }
             let n = fa.turned(candidate.outward);
             let gradient = fa.turned(candidate.weight_gradient);
-            let (law, rate) = (self.pair(candidate, memory), -n.dot(&approach));
-            let [force, stiffness, damping] = law.slopes(depth, rate, memory.speed);
-            let elastic = law.force(depth, rate, memory.speed).elastic;
-            let energy = law.energy(depth);
-            let w = candidate.weight;
-            let bend = match self.outline {
-                Some(_) => candidate.bend,
-                None => self.profile().bend(local, self.radius, candidate.outward),
+            let (law, rate) = (self.law_on(candidate.piece, memory), -n.dot(&approach));
+            let pressed = Pressed {
+                depth,
+                rate,
+                law,
+                bend: candidate.bend,
+                normal: n,
+                approach,
             };
-            let across = bend * (Matrix2::identity() - n * n.transpose());
+            let pushed = pressed.slopes(memory);
+            let elastic = law.force(depth, rate, memory.speed).elastic;
+            let (w, energy) = (candidate.weight, law.energy(depth));
             // The second derivative of the weight is neglected.
-            let along = -stiffness * n - damping * (across * approach);
             let slopes = PairForce {
-                force: w * force * n - energy * gradient,
-                by_place: w * (n * along.transpose() + force * across)
-                    + force * n * gradient.transpose()
+                force: w * pushed.force - energy * gradient,
+                by_place: w * pushed.by_place
+                    + pushed.force * gradient.transpose()
                     + elastic * gradient * n.transpose(),
-                by_velocity: -w * damping * (n * n.transpose()),
+                by_velocity: w * pushed.by_velocity,
             };
             visit(candidate.side, &slopes);
         });
@@ -73,12 +117,15 @@ impl ContactStates {
         mut visit: impl FnMut(&PairForce, Option<&PairTorque>),
     ) {
         let (contact, sides) = (&model.contacts[k], &model.sides_of_contact[k]);
-        let memory = &self.memory[sides.clone()];
-        contact.slopes(frames, memory, |_, force| visit(force, None));
+        let states = (
+            &self.side_states[sides.clone()],
+            &self.memory[sides.clone()],
+        );
+        contact.slopes(frames, states, |_, force| visit(force, None));
         if let Some(law) = &contact.friction {
             for k in sides.clone().filter(|&k| self.side_states[k].force > 0.0) {
                 let mut push = PairForce::default();
-                contact.slopes(frames, memory, |side, part| {
+                contact.slopes(frames, states, |side, part| {
                     if sides.start + side == k {
                         push.add(part);
                     }

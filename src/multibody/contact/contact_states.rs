@@ -19,8 +19,11 @@ pub(crate) struct ContactStates {
     pub(crate) near: Vec<bool>,
     /// Largest penetration of each contact that is near \[m\], and its rate \[m/s\]; an upper bound and zero for the others.
     pub(crate) deepest: Vec<[f64; 2]>,
-    /// State of each contact at the start of the present step.
+    /// State of each contact at the start of the present step, and at the end of the last one that was screened.
     pub(crate) starts: Vec<ContactEnd>,
+    pub(super) ends: Vec<ContactEnd>,
+    /// Whether `ends` are those of the last evaluation.
+    pub(super) screened: bool,
     pub(crate) bristles: Bristles,
 }
 
@@ -34,6 +37,8 @@ impl ContactStates {
             near: vec![true; contacts],
             deepest: vec![[f64::NEG_INFINITY, 0.0]; contacts],
             starts: vec![ContactEnd::FAR; contacts],
+            ends: vec![ContactEnd::FAR; contacts],
+            screened: false,
             bristles: Bristles::new(model.bristles),
         }
     }
@@ -46,6 +51,7 @@ impl ContactStates {
         loads: &mut Loads,
     ) {
         self.bristles.begin();
+        self.screened = false;
         let contacts = model.contacts.iter().zip(&model.sides_of_contact);
         let states = self.near.iter_mut().zip(&mut self.deepest);
         for ((contact, sides), (near, deepest)) in contacts.zip(states) {

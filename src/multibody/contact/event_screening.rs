@@ -37,25 +37,38 @@ impl ContactStates {
         frames: &[Frame],
         accelerations: &[f64],
     ) {
-        for (k, contact) in model.contacts.iter().enumerate() {
-            self.starts[k] = contact.end_of_step(self.deepest[k], model, frames, accelerations);
+        // The end of a step that has been accepted; the projection moves it by far less than what the screening neglects.
+        if !self.screened {
+            self.find_ends(model, frames, accelerations);
         }
+        std::mem::swap(&mut self.starts, &mut self.ends);
+        self.screened = false;
+    }
+
+    /// Write the state of all contacts at the last evaluation.
+    fn find_ends(&mut self, model: &MechanismModel, frames: &[Frame], accelerations: &[f64]) {
+        let contacts = model.contacts.iter().zip(&self.deepest);
+        for (end, (contact, depth)) in self.ends.iter_mut().zip(contacts) {
+            *end = contact.end_of_step(*depth, model, frames, accelerations);
+        }
+        self.screened = true;
     }
 
     /// Return whether a contact begins and ends, or ends and begins again, within the last evaluated step of `length` \[s\].
     pub(crate) fn passes_contact(
-        &self,
+        &mut self,
         model: &MechanismModel,
         frames: &[Frame],
         accelerations: &[f64],
         length: f64,
     ) -> bool {
-        model.contacts.iter().enumerate().any(|(k, contact)| {
-            let start = &self.starts[k];
-            let end = contact.end_of_step(self.deepest[k], model, frames, accelerations);
-            let Some(path) = path_between(start, &end, length) else {
+        self.find_ends(model, frames, accelerations);
+        let mut ends = self.starts.iter().zip(&self.ends).enumerate();
+        ends.any(|(k, (start, end))| {
+            let Some(path) = path_between(start, end, length) else {
                 return false;
             };
+            let contact = &model.contacts[k];
             let memory = &self.memory[model.sides_of_contact[k].clone()];
             let depth = Depth {
                 radius: contact.radius,
@@ -99,6 +112,7 @@ fn continued([place, velocity, acceleration]: Motion, time: f64) -> Motion {
 
 impl CompiledContact {
     /// Return the state at the last evaluation; `depth`: penetration \[m\] and its rate \[m/s\].
+    #[inline]
     fn end_of_step(
         &self,
         depth: [f64; 2],

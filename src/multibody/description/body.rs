@@ -137,11 +137,21 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    pub(crate) fn new([x, y, angle]: [f64; 3], [vx, vy, spin]: [f64; 3]) -> Self {
+    pub(crate) fn new(position: [f64; 3], velocity: [f64; 3]) -> Self {
+        Self::directed(position, crate::geometry::unit(position[2]), velocity)
+    }
+
+    /// Return the frame with a given unit vector (cos, sin) of its angle.
+    #[inline]
+    pub(crate) fn directed(
+        [x, y, angle]: [f64; 3],
+        direction: Vec2,
+        [vx, vy, spin]: [f64; 3],
+    ) -> Self {
         Self {
             origin: Vec2::new(x, y),
             angle,
-            direction: crate::geometry::unit(angle),
+            direction,
             velocity: Vec2::new(vx, vy),
             spin,
         }

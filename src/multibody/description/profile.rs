@@ -2,9 +2,7 @@
 
 use crate::error::{Error, Result, check};
 use crate::force_law::radius_beside_flat;
-use crate::geometry::{
-    SurfaceCurve, SurfacePiece, ToothProfile, Vec2, direction, turned_left, unit,
-};
+use crate::geometry::{SurfaceCurve, SurfacePiece, ToothProfile, Vec2, direction};
 
 use super::outline_piece::Piece;
 
@@ -156,17 +154,25 @@ impl Profile {
         }
     }
 
-    /// Return the rotation of the outward direction per displacement of a point along the surface \[1/m\]; by a difference for teeth.
-    pub(crate) fn bend(&self, point: Vec2, radius: f64, outward: Vec2) -> f64 {
-        match self {
-            Self::Bore { .. } => -1.0 / point.norm(),
-            Self::Disc { .. } => 1.0 / point.norm(),
-            Self::Outline { .. } => 0.0,
-            Self::Teeth(profile) => {
-                let (along, step) = (turned_left(outward), 1e-6 * radius);
-                let moved = nearest_tooth(profile, point + step * along, radius);
-                moved.outward.dot(&along) / step
-            }
+    /// Return the rotation of the outward direction per displacement of a point along the surface \[1/m\], at a `distance` from `piece`;
+    /// zero for outlines.
+    pub(crate) fn bend(&self, piece: usize, distance: f64) -> f64 {
+        let curve = match self {
+            Self::Outline { .. } => None,
+            Self::Bore { radius } => Some((-1.0, *radius)),
+            Self::Disc { radius } => Some((1.0, *radius)),
+            Self::Teeth(profile) => match profile.surfaces()[piece].curve {
+                SurfaceCurve::Concave(arc) => Some((-1.0, arc.radius)),
+                SurfaceCurve::Convex(arc) => Some((1.0, arc.radius)),
+                SurfaceCurve::Straight(_) => None,
+            },
+        };
+        // The direction is that from the centre of the curve, or towards it; at the centre it is arbitrary.
+        let from_center = curve.map_or(0.0, |(sign, radius)| sign * radius + distance);
+        if from_center == 0.0 {
+            0.0
+        } else {
+            1.0 / from_center
         }
     }
 
@@ -217,9 +223,9 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
     if clear > radius {
         return Nearest::on_circle(clear, direction(point, distance));
     }
-    let gap = profile.nearest_gap(point.y.atan2(point.x));
+    let gap = profile.gap_towards(point);
     // Frame of the gap: v points radially outward through the gap, u is v turned clockwise.
-    let v = unit(f64::from(gap) * profile.gap_angle());
+    let v = profile.gap_direction(gap);
     let u = Vec2::new(v.y, -v.x);
     let place = Vec2::new(point.dot(&u), point.dot(&v) - profile.seat_center_radius);
     let found = profile.contact_in(gap, place, radius);
@@ -236,7 +242,10 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
+    use crate::geometry::{Seat, turned_left};
 
     #[test]
     fn bore_and_disc_are_each_others_complement() {
@@ -247,5 +256,41 @@ mod tests {
         );
         assert_eq!(bore.distance, -disc.distance);
         assert_eq!(bore.outward, -disc.outward);
+    }
+
+    #[test]
+    fn the_outward_direction_turns_as_that_of_a_point_beside() {
+        let teeth = ToothProfile::ansi(0.0127, 0.007_937_5, 17, Seat::PitchCircle);
+        let (radius, pitch_radius) = (0.003_968_75, teeth.pitch_radius);
+        let profiles = [
+            (Profile::Bore { radius: 0.7 }, Vec2::new(0.3, -0.4)),
+            (Profile::Disc { radius: 0.7 }, Vec2::new(0.6, -0.4)),
+        ];
+        // Seat, working curve and topping curve, on both flanks.
+        let places = [
+            (0.0, -1e-5),
+            (6e-4, -1e-4),
+            (-6e-4, -1e-4),
+            (1.5e-3, 2.5e-3),
+            (-1.2e-3, 2e-3),
+        ];
+        let teeth = Profile::Teeth(Box::new(teeth));
+        let in_gap =
+            places.map(|(along, out)| (teeth.clone(), Vec2::new(pitch_radius + out, along)));
+        let mut pieces = BTreeSet::new();
+        for (profile, point) in profiles.into_iter().chain(in_gap) {
+            let here = profile.nearest(point, radius);
+            let (along, step) = (turned_left(here.outward), 3e-9);
+            let [before, after] = [-step, step].map(|s| profile.nearest(point + s * along, radius));
+            let expected = (after.outward - before.outward).dot(&along) / (2.0 * step);
+            let found = profile.bend(here.piece, here.distance);
+            assert!(
+                (found - expected).abs() < 1e-6 * (1.0 + expected.abs()),
+                "{point:?}: {found} {expected}"
+            );
+            pieces.insert(here.piece);
+        }
+        assert!(pieces.len() > 2, "{pieces:?}");
+        assert_eq!(Profile::Bore { radius: 0.5 }.bend(0, 0.5), 0.0);
     }
 }

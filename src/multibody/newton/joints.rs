@@ -1,9 +1,13 @@
 //! Constraints and friction of pins in the matrix of the implicit corrector.
 
 use super::matrix::ImplicitMatrix;
+use super::sparse_system::PointEntries;
 use super::stage::largest_rotation;
-use crate::multibody::constraints::equation::{Equation, Quantity, Row};
+use crate::geometry::{Vec2, turned_left};
+use crate::multibody::constraints::equation::Equation;
+use crate::multibody::constraints::jacobian::{Group, Point, by_body};
 use crate::multibody::constraints::relative_kinematics::{Block, Pair};
+use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::forces::force_slopes::add_twist;
@@ -23,34 +27,35 @@ const LITTLE_TURN: f64 = 0.01;
 impl ImplicitMatrix {
     /// Add the constraints: their rows and columns, and γ² Σ λ ∂²c/∂q² (see the equations of the matrix).
     pub(super) fn add_joints(&mut self, dynamics: &MechanismDynamics, gamma: f64) {
-        let (model, frames) = (&*dynamics.model, &dynamics.frames);
-        let (constraints, n) = (&dynamics.constraints, model.coordinates());
-        let turn = largest_rotation(frames, 2.0 * gamma);
+        let constraints = &dynamics.constraints;
+        let Some(kkt) = &constraints.kkt else { return };
+        let turn = largest_rotation(&dynamics.frames, 2.0 * gamma);
         let rows_change = !(dynamics.corrector.stage.active && turn <= LITTLE_TURN);
-        for (i, equation) in model.equations.iter().enumerate() {
-            let row = &constraints.rows[i];
-            let mut across = row.jacobian;
-            let (pair_places, row_places) = &self.joints[i];
-            let saddle = &mut self.saddle;
-            let weight = gamma * gamma * constraints.multipliers[i];
-            if let Quantity::Coincident(axis) = equation.quantity {
-                // Only the angles enter non-linearly, each by itself.
-                let bends = bends_of_point(dynamics, equation, row, axis, gamma);
-                for (k, [second, change]) in bends.into_iter().enumerate() {
-                    across[k][2] += if rows_change { change } else { 0.0 };
-                    saddle.add_entry(pair_places[3 * k], 2, 2, weight * second);
+        let mut points = 0;
+        for group in &kkt.jacobian.groups {
+            match *group {
+                Group::Point(point) => {
+                    let entries = point_entries(dynamics, kkt, &point, gamma, rows_change);
+                    self.saddle.write_point(&self.points[points], &entries);
+                    points += 1;
                 }
-            } else if let Some(block) = bend(dynamics, equation, gamma, &mut across) {
-                let block = block.map(|line| line.map(|entry| weight * entry));
-                saddle.add_pair(pair_places, &block);
+                Group::Single(row) => self.add_row(dynamics, kkt, row, gamma),
             }
-            saddle.add_row(row_places, &row.jacobian, &across);
-            let held = constraints
-                .kkt
-                .as_ref()
-                .map_or(0.0, |kkt| kkt.diagonal(row));
-            saddle.add_diagonal(n + i, -SOFT * held);
         }
+    }
+
+    /// Add one constraint.
+    fn add_row(&mut self, dynamics: &MechanismDynamics, kkt: &SparseKkt, i: usize, gamma: f64) {
+        let (row, equation) = (&dynamics.constraints.rows[i], &dynamics.model.equations[i]);
+        let mut across = row.jacobian;
+        let (pair_places, row_places) = &self.joints[i];
+        let weight = gamma * gamma * dynamics.constraints.multipliers[i];
+        if let Some(block) = bend(dynamics, equation, gamma, &mut across) {
+            let block = block.map(|line| line.map(|entry| weight * entry));
+            self.saddle.add_pair(pair_places, &block);
+        }
+        self.saddle.add_row(row_places, &row.jacobian, &across);
+        self.saddle.add_compliance(i, -SOFT * kkt.diagonal(row));
     }
 
     /// Add the friction of pins. Corrections of the multipliers are μ = γ Δλ, so the derivatives with respect to λ enter without γ.
@@ -103,35 +108,40 @@ fn bend(
     Some(slopes.second)
 }
 
-/// Return ∂²c/∂θ² and the change of the row for the angles of both bodies of a coincident point, along one axis.
+/// Return the entries of a point between free bodies; `rows_change`: see [`LITTLE_TURN`].
 ///
-/// The value is the same as by [`Equation::slopes`], whose other entries are zero.
-fn bends_of_point(
+/// The values are those by [`Equation::slopes`], whose other entries are zero. Only the angles enter non-linearly, each by itself, with a
+/// vector g = ∂c/∂θ of both constraints that rotates with its body: ∂²c/∂θ² is g rotated by a right angle, and ∂(v ∂²c/∂q² v)/∂θ = -ω² g.
+fn point_entries(
     dynamics: &MechanismDynamics,
-    equation: &Equation,
-    row: &Row,
-    axis: usize,
+    kkt: &SparseKkt,
+    point: &Point,
     gamma: f64,
-) -> [[f64; 2]; 2] {
-    let MechanismDynamics {
-        model,
-        frames,
-        accelerations,
-        ..
-    } = dynamics;
-    let ends = [(equation.a, 1.0), (equation.b, -1.0)];
-    let mut bends = [[0.0; 2]; 2];
-    for (k, (end, sign)) in ends.into_iter().enumerate() {
-        let Some(first) = model.first[end.body] else {
-            continue;
-        };
-        let frame = &frames[end.body];
-        let second = sign * frame.turned(end.point)[axis];
-        // ∂(v ∂²c/∂q² v)/∂θ = -ω² ∂c/∂θ for an arm that rotates with its body.
-        let third = -frame.spin * frame.spin * row.jacobian[k][2];
-        let by_place = third + second * accelerations[first + 2];
-        let change = 2.0 * gamma * second * frame.spin + gamma * gamma * by_place;
-        bends[k] = [second, change];
+    rows_change: bool,
+) -> PointEntries {
+    let constraints = &dynamics.constraints;
+    let lambda = &constraints.multipliers[point.row..];
+    let lambda = Vec2::new(lambda[0], lambda[1]);
+    let slopes = point.slopes(&constraints.rows);
+    let (mut across, mut bends, mut held) = (slopes, [0.0; 2], [0.0; 2]);
+    for (k, body) in point.places.into_iter().enumerate() {
+        let g = Vec2::new(slopes[0][k], slopes[1][k]);
+        let second = turned_left(g);
+        bends[k] = gamma * gamma * lambda.dot(&second);
+        if rows_change {
+            let spin = dynamics.frames[point.ends[k].body].spin;
+            let by_place = dynamics.accelerations[3 * body + 2] * second - spin * spin * g;
+            let change = 2.0 * gamma * spin * second + gamma * gamma * by_place;
+            (across[0][k], across[1][k]) = (g.x + change.x, g.y + change.y);
+        }
+        // Diagonal entries of G M⁻¹ Gᵀ.
+        let inverse = by_body(&kkt.inverse_mass)[body];
+        (0..2).for_each(|axis| held[axis] += inverse[axis] + g[axis] * g[axis] * inverse[2]);
     }
-    bends
+    PointEntries {
+        slopes,
+        across,
+        bends,
+        compliances: held.map(|held| -SOFT * held),
+    }
 }

@@ -14,11 +14,12 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
 
-use super::sparse_system::{PairPlaces, Pattern, RowPlaces, Saddle};
+use super::sparse_system::{PairPlaces, Pattern, PointPlaces, RowPlaces, Saddle};
 use crate::integrator::{
     LENGTH_ERROR_OF_FULL_DEFLECTION, OdeSystem, SAFETY_AT_CONTACT_CHANGE, SPEED_PER_LENGTH,
     SecondOrderSystem,
 };
+use crate::multibody::constraints::jacobian::{Group, Jacobian};
 use crate::multibody::constraints::relative_kinematics::{Block, Pair};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::description::tribology::FrictionLaw;
@@ -37,6 +38,8 @@ const MOST_BY_DIFFERENCES: usize = 150;
 pub(crate) struct ImplicitMatrix {
     pub(super) saddle: Saddle,
     pub(super) joints: Vec<(PairPlaces, RowPlaces)>,
+    /// Places of the points between free bodies, in the order of their constraints.
+    pub(super) points: Vec<PointPlaces>,
     forces: Vec<PairPlaces>,
     contacts: Vec<PairPlaces>,
     /// Factors of the dense matrix by difference quotients, where it replaces the sparse one.
@@ -88,8 +91,14 @@ impl ImplicitMatrix {
             let pair = pattern.pair_places(&saddle, e.a.body, e.b.body);
             (pair, pattern.row_places(&saddle, i, bodies))
         });
+        let groups = Jacobian::of(model).groups.into_iter();
+        let points = groups.filter_map(|group| match group {
+            Group::Point(point) => Some(pattern.point_places(&saddle, point.row, point.places)),
+            Group::Single(_) => None,
+        });
         Self {
             joints: joints.collect(),
+            points: points.collect(),
             forces,
             contacts,
             by_differences: None,
@@ -97,13 +106,10 @@ impl ImplicitMatrix {
         }
     }
 
-    /// Add the inertia, and the derivatives of the forces and contacts.
+    /// Add the derivatives of the forces and contacts.
     fn add_forces(&mut self, dynamics: &MechanismDynamics, gamma: f64) {
         let (model, frames) = (&*dynamics.model, &dynamics.frames);
         let (by_velocity, by_place) = (-gamma, -gamma * gamma);
-        for (k, mass) in model.mass.iter().enumerate() {
-            self.saddle.add_diagonal(k, *mass);
-        }
         let time = dynamics.corrector.time;
         for (force, places) in model.forces.iter().zip(&self.forces) {
             let mut block = Block::default();
@@ -143,7 +149,7 @@ impl MechanismDynamics {
 
     /// Assemble and factorise the matrix at the last evaluation; return whether it is regular.
     fn linearise(&self, matrix: &mut ImplicitMatrix, gamma: f64) -> bool {
-        matrix.saddle.clear();
+        matrix.saddle.begin(&self.model.mass);
         matrix.add_forces(self, gamma);
         matrix.add_joints(self, gamma);
         matrix.add_pins(
@@ -276,32 +282,15 @@ impl SecondOrderSystem for MechanismDynamics {
             self.corrector.matrix = Some(matrix);
             return;
         }
-        let model = &*self.model;
         // Right-hand sides M r and G r of the module's equations.
-        let saddle = &mut matrix.saddle;
-        for (k, (r, mass)) in residual.iter().zip(&model.mass).enumerate() {
-            saddle.set_right(k, mass * r);
-        }
-        for (i, row) in self.constraints.rows.iter().enumerate() {
-            let mut along = 0.0;
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = model.first[*body] {
-                    along += (0..3).map(|k| part[k] * residual[first + k]).sum::<f64>();
-                }
-            }
-            saddle.set_right(
-                n + i,
-                along + self.corrector.stage.lack(&self.constraints, i),
-            );
-        }
+        let (constraints, stage) = (&mut self.constraints, &mut self.corrector.stage);
+        stage.write_lacks(constraints, residual);
+        let (saddle, mass) = (&mut matrix.saddle, &self.model.mass);
+        saddle.write_right(|k| mass[k] * residual[k], |i| stage.lacks[i]);
         saddle.solve();
-        let (constraints, accelerations) = (&mut self.constraints, &mut self.accelerations);
-        let change = |i| saddle.solution(n + i);
-        let stage = &mut self.corrector.stage;
-        stage.correct_reactions(constraints, accelerations, residual, change);
-        for (k, correction) in residual.iter_mut().enumerate() {
-            *correction = saddle.solution(k);
-        }
+        saddle.visit_multipliers(|i, change| stage.lacks[i] = change);
+        stage.correct_reactions(constraints, &mut self.accelerations, residual);
+        saddle.visit_velocities(|k, correction| residual[k] = correction);
         self.corrector.matrix = Some(matrix);
     }
 

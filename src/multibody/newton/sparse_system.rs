@@ -19,12 +19,33 @@ pub(crate) struct RowPlaces {
     blocks: [Option<[usize; 2]>; 3],
 }
 
+/// Blocks of a point between two free bodies: the diagonal blocks of its joint and of the bodies, and the pairs of each with the joint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PointPlaces {
+    joint: usize,
+    bodies: [usize; 2],
+    pairs: [usize; 2],
+}
+
+/// Entries of a point between two free bodies a and b.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PointEntries {
+    /// Derivatives of both constraints with respect to the two angles, in Gᵀ and in G'.
+    pub(crate) slopes: [[f64; 2]; 2],
+    pub(crate) across: [[f64; 2]; 2],
+    /// Values to add on the diagonal: for the two angles, and for both constraints.
+    pub(crate) bends: [f64; 2],
+    pub(crate) compliances: [f64; 2],
+}
+
 /// Matrix of the saddle-point system and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct Saddle {
     lu: BlockLu,
-    /// Node and number within it of each coordinate, then of each constraint; nodes in the order of elimination.
-    places: Vec<(usize, usize)>,
+    /// Node of each body, in the order of its coordinates; nodes in the order of elimination.
+    bodies: Vec<usize>,
+    /// Node and number within it of each constraint.
+    constraints: Vec<(usize, usize)>,
 }
 
 /// Sparsity pattern: the adjacent nodes of each node.
@@ -90,10 +111,12 @@ impl Pattern {
     /// Return the zero matrix of this pattern.
     pub(crate) fn finish(&self) -> Saddle {
         let lu = BlockLu::new(&self.sizes, self.coordinates / 3, &self.neighbours);
-        let coordinates = (0..self.coordinates).map(|i| (i / 3, i % 3));
-        let places = coordinates.chain(self.constraints.iter().copied());
+        let constraints = self.constraints.iter();
         Saddle {
-            places: places.map(|(node, k)| (lu.place(node), k)).collect(),
+            bodies: (0..self.coordinates / 3)
+                .map(|node| lu.place(node))
+                .collect(),
+            constraints: constraints.map(|&(node, k)| (lu.place(node), k)).collect(),
             lu,
         }
     }
@@ -118,25 +141,59 @@ impl Pattern {
         });
         RowPlaces { own, blocks }
     }
+
+    /// Return the places of a point between two free bodies by their numbers; `constraint` is the first of its two.
+    pub(crate) fn point_places(
+        &self,
+        saddle: &Saddle,
+        constraint: usize,
+        bodies: [usize; 2],
+    ) -> PointPlaces {
+        let (joint, _) = self.constraints[constraint];
+        PointPlaces {
+            joint: saddle.lu.place(joint),
+            bodies: bodies.map(|body| saddle.lu.place(body)),
+            pairs: bodies.map(|body| saddle.lu.block(body, joint)),
+        }
+    }
 }
 
 impl Saddle {
-    /// Set all entries to zero.
-    pub(crate) fn clear(&mut self) {
-        self.lu.clear();
+    /// Set all entries to zero, except for the inertia of each coordinate.
+    pub(crate) fn begin(&mut self, mass: &[f64]) {
+        self.lu.clear(self.bodies.len());
+        for (&node, mass) in self.bodies.iter().zip(mass.as_chunks().0) {
+            self.lu.write_diagonal(node, *mass);
+        }
     }
 
-    /// Add a value to a diagonal entry.
-    pub(crate) fn add_diagonal(&mut self, k: usize, value: f64) {
-        let (node, own) = self.places[k];
+    /// Add a value to the diagonal entry of a constraint.
+    pub(crate) fn add_compliance(&mut self, constraint: usize, value: f64) {
+        let (node, own) = self.constraints[constraint];
         self.lu.tile_mut(node)[own][own] += value;
     }
 
-    /// Add a value to one entry of a block; nothing for a fixed body.
-    pub(crate) fn add_entry(&mut self, at: Option<usize>, row: usize, column: usize, value: f64) {
-        if let Some(at) = at {
-            self.lu.tile_mut(at)[column][row] += value;
+    /// Write the blocks of a point: a joint is eliminated after its bodies, so that its column of Gᵀ is the first block of a pair.
+    pub(crate) fn write_point(&mut self, place: &PointPlaces, point: &PointEntries) {
+        let PointEntries {
+            slopes: [one, other],
+            across: [one_across, other_across],
+            bends,
+            compliances,
+        } = point;
+        for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let below = [
+                [sign, 0.0, one[k], 0.0],
+                [0.0, sign, other[k], 0.0],
+                [0.0; 4],
+            ];
+            let turn = [one_across[k], other_across[k], 0.0, 0.0];
+            let beside = [[sign, 0.0, 0.0, 0.0], [0.0, sign, 0.0, 0.0], turn];
+            self.lu.write_pair(place.pairs[k], &below, &beside);
+            self.lu.tile_mut(place.bodies[k])[2][2] += bends[k];
         }
+        let own = self.lu.tile_mut(place.joint);
+        (0..2).for_each(|i| own[i][i] += compliances[i]);
     }
 
     /// Add the block of two bodies.
@@ -173,16 +230,36 @@ impl Saddle {
         self.lu.factorise()
     }
 
-    /// Write one number of the right-hand side.
-    pub(crate) fn set_right(&mut self, k: usize, value: f64) {
-        let (node, own) = self.places[k];
-        self.lu.right_mut()[node][own] = value;
+    /// Write the right-hand side by coordinate and by constraint.
+    pub(crate) fn write_right(
+        &mut self,
+        velocity: impl Fn(usize) -> f64,
+        constraint: impl Fn(usize) -> f64,
+    ) {
+        let right = self.lu.right_mut();
+        for (body, &node) in self.bodies.iter().enumerate() {
+            let [x, y, turn] = [0, 1, 2].map(|k| velocity(3 * body + k));
+            right[node] = [x, y, turn, 0.0];
+        }
+        for (i, &(node, own)) in self.constraints.iter().enumerate() {
+            right[node][own] = constraint(i);
+        }
     }
 
-    /// Return one number of the solution.
-    pub(crate) fn solution(&self, k: usize) -> f64 {
-        let (node, own) = self.places[k];
-        self.lu.right()[node][own]
+    /// Call `visit` with the number of each coordinate and its solution.
+    pub(crate) fn visit_velocities(&self, mut visit: impl FnMut(usize, f64)) {
+        let right = self.lu.right();
+        for (body, &node) in self.bodies.iter().enumerate() {
+            (0..3).for_each(|k| visit(3 * body + k, right[node][k]));
+        }
+    }
+
+    /// Call `visit` with the number of each constraint and its solution.
+    pub(crate) fn visit_multipliers(&self, mut visit: impl FnMut(usize, f64)) {
+        let right = self.lu.right();
+        for (i, &(node, own)) in self.constraints.iter().enumerate() {
+            visit(i, right[node][own]);
+        }
     }
 
     /// Overwrite the right-hand side by the solution.

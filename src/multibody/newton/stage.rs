@@ -16,10 +16,10 @@ use crate::multibody::model::MechanismModel;
 /// Doubled: evaluations solve for the multipliers at up to twice the distance from singular positions; nothing else changes.
 const WELL_CONDITIONED: f64 = 2.0;
 
-/// Steps from one factorisation of G M⁻¹ Gᵀ to the next where bodies turn little.
+/// Most steps from one factorisation of G M⁻¹ Gᵀ to the next, a power of two.
 ///
-/// Doubled: a singular position is noticed up to 16 steps later, within the angle [`TURNED`].
-const STEPS_PER_CHECK: u64 = 16;
+/// Doubled: where bodies turn little, a singular position is noticed up to 64 steps later, within the angle [`TURNED`].
+const STEPS_PER_CHECK: u64 = 64;
 
 /// Largest rotation between two factorisations \[rad\]: the distance of the points by which accelerations near singular positions are
 /// interpolated is 0.03.
@@ -51,6 +51,9 @@ pub(crate) struct Stage {
     pub(crate) trial: Vec<f64>,
     /// Residual of the velocities with the corrected multipliers.
     residual: Vec<f64>,
+    /// Right-hand sides of the constraints, then their solution; a work array over the coordinates.
+    pub(super) lacks: Vec<f64>,
+    change: Vec<f64>,
     /// Factor of the accelerations in the formula of the corrector \[s\].
     pub(super) gamma: f64,
 }
@@ -102,8 +105,12 @@ pub(crate) fn largest_rotation(frames: &[Frame], length: f64) -> f64 {
 /// Return whether the independence of the constraints is to be measured at the end of the last step, of `length` \[s\] and with this
 /// number.
 pub(crate) fn is_nearness_due(frames: &[Frame], length: f64, number: u64) -> bool {
-    let seldom = largest_rotation(frames, length) * STEPS_PER_CHECK as f64 <= TURNED;
-    !seldom || number.is_multiple_of(STEPS_PER_CHECK)
+    let turned = largest_rotation(frames, length);
+    let mut steps = STEPS_PER_CHECK;
+    while steps > 1 && steps as f64 * turned > TURNED {
+        steps /= 2;
+    }
+    number.is_multiple_of(steps)
 }
 
 /// Matrix and stage of the implicit corrector, and the reactions that it begins from.
@@ -120,19 +127,13 @@ pub(crate) struct ImplicitCorrector {
 impl ImplicitCorrector {
     /// Add to `change` the solution x of A x + Gᵀ μ = 0, G x = -`residual` with the matrix A of the last implicit step.
     pub(crate) fn correct_constraints(&mut self, residual: &[f64], change: &mut [f64]) {
-        let n = change.len();
         let Some(matrix) = &mut self.matrix else {
             return;
         };
         let saddle = &mut matrix.saddle;
-        (0..n).for_each(|k| saddle.set_right(k, 0.0));
-        for (i, residual) in residual.iter().enumerate() {
-            saddle.set_right(n + i, -residual);
-        }
+        saddle.write_right(|_| 0.0, |i| -residual[i]);
         saddle.solve();
-        for (k, change) in change.iter_mut().enumerate() {
-            *change += saddle.solution(k);
-        }
+        saddle.visit_velocities(|k, solution| change[k] += solution);
     }
 
     /// Begin the first evaluation of an implicit step. It begins from the reactions kept: reports have evaluated other states since.
@@ -156,47 +157,86 @@ impl ImplicitCorrector {
         trial.clear();
         trial.extend(loads.iter().zip(&model.mass).map(|(f, m)| f / m));
         let multipliers = &constraints.multipliers;
-        kkt.push(&constraints.rows, -1.0, |i| multipliers[i], trial);
+        kkt.push(&constraints.rows, |i| -multipliers[i], trial);
     }
 }
 
 impl Stage {
-    /// Return what the accelerations of the evaluation lack to satisfy constraint `i`, times the factor of the corrector.
-    pub(super) fn lack(&self, constraints: &ConstraintState, i: usize) -> f64 {
-        if !self.active {
-            return 0.0;
+    /// Write the right-hand sides of the constraints: G r, and what the accelerations of the evaluation lack to satisfy the constraints,
+    /// times the factor h of the corrector. G r + h (γ - G a) = G (r - h a) + h γ.
+    pub(super) fn write_lacks(&mut self, constraints: &ConstraintState, residual: &[f64]) {
+        let Some(kkt) = &constraints.kkt else { return };
+        let rows = &constraints.rows;
+        let gamma = if self.active { self.gamma } else { 0.0 };
+        self.change.clear();
+        self.change.extend_from_slice(residual);
+        if self.active {
+            let lacking = self.change.iter_mut().zip(&self.trial);
+            lacking.for_each(|(x, a)| *x -= gamma * a);
         }
-        let row = &constraints.rows[i];
-        let kkt = constraints.kkt.as_ref();
-        let along = kkt.map_or(0.0, |kkt| kkt.along(row, &self.trial));
-        self.gamma * (row.gamma - along)
+        self.lacks.resize(rows.len(), 0.0);
+        kkt.jacobian.multiply(rows, &self.change, &mut self.lacks);
+        let lacks = self.lacks.iter_mut().zip(rows);
+        lacks.for_each(|(lack, row)| *lack += gamma * row.gamma);
     }
 
-    /// Correct multipliers and accelerations by the solution `change` of the linear system, and `residual` to that with the corrected
-    /// multipliers.
+    /// Correct multipliers and accelerations by the solution of the linear system, which has replaced `lacks`, and `residual` to that with
+    /// the corrected multipliers.
     pub(super) fn correct_reactions(
         &mut self,
         constraints: &mut ConstraintState,
         accelerations: &mut [f64],
         residual: &[f64],
-        change: impl Fn(usize) -> f64,
     ) {
         let Some(kkt) = constraints.kkt.as_ref().filter(|_| self.active) else {
             return;
         };
-        self.residual.clear();
-        self.residual.extend_from_slice(residual);
-        kkt.push(&constraints.rows, -1.0, &change, &mut self.residual);
-        accelerations.copy_from_slice(&self.trial);
         let part = 1.0 / self.gamma;
-        kkt.push(&constraints.rows, -part, &change, accelerations);
-        for (i, lambda) in constraints.multipliers.iter_mut().enumerate() {
-            *lambda += part * change(i);
+        let multipliers = constraints.multipliers.iter_mut().zip(&self.lacks);
+        multipliers.for_each(|(lambda, change)| *lambda += part * change);
+        self.change.fill(0.0);
+        kkt.push(&constraints.rows, |i| self.lacks[i], &mut self.change);
+        self.residual.clear();
+        let residuals = residual.iter().zip(&self.change);
+        self.residual
+            .extend(residuals.map(|(r, change)| r - change));
+        let accelerations = accelerations.iter_mut().zip(&self.trial);
+        for ((a, trial), change) in accelerations.zip(&self.change) {
+            *a = trial - part * change;
         }
     }
 
     /// Return the residual of the velocities with the corrected multipliers; `None` where evaluations solve for the multipliers.
     pub(super) fn corrected_residual(&self) -> Option<&[f64]> {
         self.active.then_some(&self.residual[..])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_turn_at_most_by_the_angle_between_two_measurements() {
+        for (turned, apart) in [
+            (0.0, 64),
+            (3e-4, 64),
+            (4e-4, 32),
+            (4.9e-3, 4),
+            (9e-3, 2),
+            (0.011, 1),
+            (3.0, 1),
+        ] {
+            let frames =
+                [0.1, -1.0].map(|part| Frame::new([0.0; 3], [0.0, 0.0, part * turned / 0.5]));
+            let due: Vec<u64> = (100..300)
+                .filter(|&number| is_nearness_due(&frames, 0.5, number))
+                .collect();
+            assert!(
+                due.windows(2).all(|pair| pair[1] - pair[0] == apart),
+                "{turned}: {due:?}"
+            );
+            assert!(apart == 1 || turned * apart as f64 <= TURNED);
+        }
     }
 }

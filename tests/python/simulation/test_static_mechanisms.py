@@ -260,9 +260,9 @@ def test_a_stiff_spring_holds_to_the_rounding_of_the_positions(stiffness):
     assert simulation.positions[0, 1] == pytest.approx(-1.0 - GRAVITY / stiffness, abs=bound)
 
 
-@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
-def test_a_pull_that_grows_from_zero_is_named(hinges):
-    mechanism = rc.paper_drive(pretension=25.0).to_mechanism(hinges=hinges)
+def test_a_pull_that_grows_from_zero_is_named():
+    # With ideal hinges there is a rest: both sprockets in one place, and the chain hanging on them.
+    mechanism = rc.paper_drive(pretension=25.0).to_mechanism(hinges="clearance")
     with pytest.raises(rc.InvalidInput, match=r'"tensioner_2" is zero at t = 0 .* ramp_time = 0'):
         rc.Simulation(mechanism, start="static")
 

@@ -5,32 +5,36 @@ use nalgebra::{DMatrix, DVector};
 use super::*;
 use crate::math::testing::random;
 
-#[test]
-fn inverses_of_blocks_are_those_of_dense_matrices() {
-    let mut next = random(7);
-    for size in 1..=3 {
-        for _ in 0..20 {
-            let mut block = ZERO;
-            (0..3).for_each(|k| block[k][k] = 1.0);
-            for column in block.iter_mut().take(size) {
-                column.iter_mut().take(size).for_each(|x| *x = next());
-            }
-            if size == 3 {
-                // Needs an exchange of rows.
-                block[0][0] = 0.0;
-            }
-            let minus = negative(&inverse(&block, size).unwrap());
-            let found = minus_product(pulp::Scalar::new(), &block, &minus);
-            for (c, column) in found.iter().enumerate() {
-                for (r, x) in column.iter().enumerate() {
-                    let unit = f64::from(u8::from(r == c));
-                    assert!((x - unit).abs() < 1e-11, "{size} {found:?}");
-                }
+/// Check inverses of random blocks of K unknowns by their products with the blocks.
+fn check_inverses<const K: usize>(next: &mut impl FnMut() -> f64) {
+    for _ in 0..20 {
+        let mut block = ZERO;
+        (0..3).for_each(|k| block[k][k] = 1.0);
+        for column in block.iter_mut().take(K) {
+            column.iter_mut().take(K).for_each(|x| *x = next());
+        }
+        if K == 3 {
+            // Needs an exchange of rows.
+            block[0][0] = 0.0;
+        }
+        let minus = negative(&inverse::<K>(&block).unwrap());
+        let found = product::<_, K>(pulp::Scalar::new(), &block, &minus);
+        for (c, column) in found.iter().enumerate().take(K) {
+            for (r, x) in column.iter().enumerate() {
+                let unit = f64::from(u8::from(r == c));
+                assert!((x - unit).abs() < 1e-11, "{K} {found:?}");
             }
         }
     }
-    assert!(inverse(&ZERO, 3).is_none());
-    assert!(inverse(&[[1.0, 2.0, 0.0, 0.0], [2.0, 4.0, 0.0, 0.0], ZERO[0]], 2).is_none());
+}
+
+#[test]
+fn inverses_of_blocks_are_those_of_dense_matrices() {
+    let mut next = random(7);
+    check_inverses::<2>(&mut next);
+    check_inverses::<3>(&mut next);
+    assert!(inverse::<3>(&ZERO).is_none());
+    assert!(inverse::<2>(&[[1.0, 2.0, 0.0, 0.0], [2.0, 4.0, 0.0, 0.0], ZERO[0]]).is_none());
 }
 
 #[test]
@@ -66,7 +70,7 @@ fn solutions_of_a_closed_chain_are_those_of_dense_factors_and_vanishing_blocks_a
     // The second matrix has fewer blocks than the first, whose factors are still in place.
     for coupled in [5, 2] {
         let mut dense = DMatrix::zeros(total, total);
-        lu.clear();
+        lu.clear(0);
         let mut add = |lu: &mut BlockLu, i: usize, j: usize| {
             let tile = lu.tile_mut(lu.block(i, j));
             for (c, column) in tile.iter_mut().enumerate().take(sizes[j]) {

@@ -9,12 +9,17 @@ use super::{Part, Tile, ZERO};
 /// Ten digits remain at this ratio. Doubled: a few more blocks are eliminated, each at ten times the cost.
 const CANCELLED: f64 = 1e-6;
 
-/// Return `from` less the product A x.
+/// Return `from` less the product A x with the K first columns of A.
 #[inline(always)]
-pub(super) fn less_image<S: Simd>(simd: S, from: &Part, a: &Tile, x: &Part) -> Part {
+pub(super) fn less_image<S: Simd, const K: usize>(
+    simd: S,
+    from: &Part,
+    a: &Tile,
+    x: &Part,
+) -> Part {
     let mut found = *from;
     for (i, sum) in S::as_mut_simd_f64s(&mut found).0.iter_mut().enumerate() {
-        for k in 0..3 {
+        for k in 0..K {
             let (column, factor) = (S::as_simd_f64s(&a[k]).0[i], simd.splat_f64s(x[k]));
             *sum = simd.negate_mul_add_e_f64s(column, factor, *sum);
         }
@@ -22,14 +27,20 @@ pub(super) fn less_image<S: Simd>(simd: S, from: &Part, a: &Tile, x: &Part) -> P
     found
 }
 
-/// Subtract the product A B.
+/// Subtract the product A B with the K first columns of A; only the first `columns` of B, two or three, are not zero.
 #[inline(always)]
-pub(super) fn subtract_product<S: Simd>(simd: S, from: &mut Tile, a: &Tile, b: &Tile) {
-    *from = [
-        less_image(simd, &from[0], a, &b[0]),
-        less_image(simd, &from[1], a, &b[1]),
-        less_image(simd, &from[2], a, &b[2]),
-    ];
+pub(super) fn subtract_product<S: Simd, const K: usize>(
+    simd: S,
+    from: &mut Tile,
+    a: &Tile,
+    b: &Tile,
+    columns: usize,
+) {
+    from[0] = less_image::<S, K>(simd, &from[0], a, &b[0]);
+    from[1] = less_image::<S, K>(simd, &from[1], a, &b[1]);
+    if columns == 3 {
+        from[2] = less_image::<S, K>(simd, &from[2], a, &b[2]);
+    }
 }
 
 /// Return -A.
@@ -45,22 +56,20 @@ pub(super) fn negative(a: &Tile) -> Tile {
     found
 }
 
-/// Return the product -A B.
+/// Return the product A B of A and minus B, both with K columns.
 #[inline(always)]
-pub(super) fn minus_product<S: Simd>(simd: S, a: &Tile, b: &Tile) -> Tile {
+pub(super) fn product<S: Simd, const K: usize>(simd: S, a: &Tile, minus_b: &Tile) -> Tile {
     let mut found = ZERO;
-    subtract_product(simd, &mut found, a, b);
+    subtract_product::<S, K>(simd, &mut found, a, minus_b, K);
     found
 }
 
-/// Return the inverse of a block of `size` unknowns, whose other unknowns are decoupled; `None` if it is singular or not finite.
+/// Return the inverse of a block of K unknowns, two or three, whose other unknowns are decoupled; `None` if it is singular or not finite.
 #[inline(always)]
-pub(super) fn inverse(block: &Tile, size: usize) -> Option<Tile> {
+pub(super) fn inverse<const K: usize>(block: &Tile) -> Option<Tile> {
     let [[a, b, ..], [c, d, ..], _] = *block;
     let mut found = *block;
-    if size == 1 {
-        found[0][0] = 1.0 / a;
-    } else if size == 2 {
+    if K == 2 {
         let part = 1.0 / (a * d - b * c);
         found[0] = [part * d, -part * b, 0.0, 0.0];
         found[1] = [-part * c, part * a, 0.0, 0.0];
