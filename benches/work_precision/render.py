@@ -496,6 +496,8 @@ def _panel(axis, scene, found):
     low, high = axis.get_xlim()
     high = min(high, 30.0)  # beyond, nothing is right
     axis.set_xlim(low / (high / low) ** 0.42, high)
+    bottom, top = axis.get_ylim()
+    axis.set_ylim(bottom, top * (top / bottom) ** 0.12)  # room for names that are moved up
     _label(axis, ends)
     if not known:
         axis.axhline(1.0, color="#bbbbbb", linewidth=0.8, zorder=1)
