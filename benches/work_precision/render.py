@@ -59,11 +59,6 @@ SUMMARY = [
     ("pin, undamped", 1e-6),
     ("pin, damped", 1e-6),
 ]
-# Of records without times of single runs, which are older than that correction.
-BEFORE_CORRECTION = (
-    "**To be measured again:** the figures of other solvers on the drive. Their contacts had too "
-    "much damping, which is corrected since. Planet and pins have no such contacts."
-)
 # Time of auto over that of the better corrector, at equal error.
 AUTO_LIMIT = 1.15
 # The accuracy that users get who ask for none [m].
@@ -121,16 +116,10 @@ def reaching(times, ours):
     }
 
 
-def has_rounds(record):
-    """Whether all times of single runs are stored, as in all records after the correction."""
-    return all("times" in line for line in record["lines"])
-
-
 def summary(record):
     """Return the table of few lines, and how the machine was."""
-    rounds = has_rounds(record)
     titles = ["scene", "error", "rustchain", "time", "best other solver", "time", "ratio"]
-    titles += ["median (range)"] if rounds else []
+    titles += ["median (range)"]
     rows = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
     shares = []
     for scene, wanted in SUMMARY:
@@ -144,15 +133,14 @@ def summary(record):
             other = min(others, key=others.get)
             ratio = _digits(others[other] / own[best], 2)
             cells += [other, _said_time(scene, others[other]), ratio]
-            cells += [_rounds(record, scene, wanted, best, other)] if rounds else []
+            cells += [_rounds(record, scene, wanted, best, other)]
         else:
             least = min(
                 errors.min()
                 for method, (errors, _) in curves(record, scene).items()
                 if not method.startswith("rustchain")
             )
-            cells += [f"none; least error {least:.0e}", "", "does not reach it"]
-            cells += [""] if rounds else []
+            cells += [f"none; least error {least:.0e}", "", "does not reach it", ""]
         rows.append("| " + " | ".join(cells) + " |")
     said = [f"Machine: {machines(record)}{_load(record)}."]
     if np.isfinite(shares).all():
@@ -160,9 +148,6 @@ def summary(record):
             f"`auto`, the default, takes at most {max(shares):.2f} times the time of the fastest "
             "method of rustchain in these lines."
         )
-    if not rounds:
-        said.append("This run stored the least times only, no median and range of ratios.")
-        return "\n".join([BEFORE_CORRECTION, "", *rows, "", *said])
     share = spread([line["times"] for line in record["lines"]])
     said.append(f"The median time of a point is {1.0 + share:.2f} times its least time.")
     return "\n".join([*rows, "", *said])
@@ -362,8 +347,7 @@ def pages(record, docs):
     blocks = {
         "work-precision.md": {"summary": summary(record), "long": _long_table(record)},
         "work-precision-tables.md": {
-            "verdicts": ("" if has_rounds(record) else f"{BEFORE_CORRECTION}\n\n")
-            + "\n".join(f"- {line}" for line in verdicts(record)),
+            "verdicts": "\n".join(f"- {line}" for line in verdicts(record)),
             "tables": _tables(record),
         },
     }
