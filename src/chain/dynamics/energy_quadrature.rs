@@ -38,11 +38,6 @@ impl Dynamics {
         self.powers
     }
 
-    /// Return the powers at (`t`, `y`); `rates` is scratch for the rates of bristles.
-    fn powers_at(&mut self, t: f64, y: &[f64], rates: &mut [f64]) -> Powers {
-        (self.kernels).powers(&self.model, &self.memory, t, y, rates)
-    }
-
     /// Return whether the slopes of all powers are known: damped contacts of hinges and teeth alone.
     fn has_power_slopes(&self) -> bool {
         let model = &self.model;
@@ -60,24 +55,22 @@ impl Dynamics {
         }
         // Evaluations inside the step come after this: the answer is that of the step's last one.
         let smooth = !self.kernels.changed();
-        let mut quadrature = std::mem::take(&mut self.quadrature);
-        let mut y = std::mem::take(&mut self.inside);
-        let mut slope = std::mem::take(&mut self.slope);
-        let coordinates = self.model.coordinates;
-        if let Some((gamma, correction)) = adams.correction_after_evaluation() {
-            if smooth && self.has_power_slopes() {
-                self.correct_powers((step.end, adams.y()), (gamma, correction));
-            } else {
-                self.powers = self.powers_at(step.end, adams.y(), &mut slope[coordinates..]);
-                quadrature.count_evaluation();
-            }
+        let corrected = adams.correction_after_evaluation();
+        let by_slopes = smooth && self.has_power_slopes();
+        if let Some(correction) = corrected.filter(|_| by_slopes) {
+            self.correct_powers((step.end, adams.y()), correction);
         }
-        let at_end = self.powers;
-        quadrature.add_step(step, (at_end, smooth), |part, t| {
-            adams.write_cubic(part, &mut y);
-            self.powers_at(t, &y[..slope.len()], &mut slope[coordinates..])
+        let (model, memory, y) = (&self.model, &self.memory, &mut self.inside);
+        let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
+        // `rates` is scratch for the rates of bristles.
+        let mut powers_at = |t: f64, y: &[f64]| self.kernels.powers(model, memory, t, y, rates);
+        if corrected.is_some() && !by_slopes {
+            self.powers = powers_at(step.end, adams.y());
+            self.quadrature.count_evaluation();
+        }
+        (self.quadrature).add_step(step, (self.powers, smooth), |part, t| {
+            adams.write_cubic(part, y);
+            powers_at(t, &y[..dimension])
         });
-        (self.quadrature, self.inside, self.slope) = (quadrature, y, slope);
-        self.powers = at_end;
     }
 }
