@@ -473,12 +473,16 @@ print(open("/proc/self/status").read().split("VmHWM:")[1].split()[0])
 @pytest.mark.slow
 def test_memory_does_not_grow_with_the_duration(tmp_path):
     peaks = []
+    # One arena of malloc: what several keep depends on which threads meet.
+    environment = os.environ | {"MALLOC_ARENA_MAX": "1"}
     for duration in (0.5, 1.5):  # 370 MB and 1100 MB of rows
         command = [sys.executable, "-c", GROWS, str(duration), str(tmp_path / "run.nc")]
-        done = subprocess.run(command, capture_output=True, text=True, check=True)
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
         peaks.append(1024 * int(done.stdout))
     assert max(peaks) < 200e6
-    assert peaks[1] - peaks[0] < 20e6
+    # Of 730 MB more. Whether the next piece is ready while one is written is left to chance: a
+    # piece takes 13 MB, and as much again for its copy.
+    assert peaks[1] - peaks[0] < 50e6
 
 
 def test_the_command_streams(tmp_path):
