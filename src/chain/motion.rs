@@ -85,17 +85,23 @@ impl Motion {
     /// Return (x, y, θ) of every body \[m, m, rad\].
     #[must_use]
     pub fn positions(&self) -> Vec<[f64; 3]> {
-        (0..self.x.len())
-            .map(|i| [self.x[i], self.y[i], self.angle[i]])
-            .collect()
+        self.each_position().collect()
     }
 
     /// Return (dx/dt, dy/dt, dθ/dt) of every body \[m/s, m/s, rad/s\].
     #[must_use]
     pub fn velocities(&self) -> Vec<[f64; 3]> {
-        (0..self.x.len())
-            .map(|i| [self.vx[i], self.vy[i], self.spin[i]])
-            .collect()
+        self.each_velocity().collect()
+    }
+
+    /// Go through (x, y, θ) of every body \[m, m, rad\].
+    pub(crate) fn each_position(&self) -> impl Iterator<Item = [f64; 3]> {
+        triples([&self.x, &self.y, &self.angle])
+    }
+
+    /// Go through (dx/dt, dy/dt, dθ/dt) of every body \[m/s, m/s, rad/s\].
+    pub(crate) fn each_velocity(&self) -> impl Iterator<Item = [f64; 3]> {
+        triples([&self.vx, &self.vy, &self.spin])
     }
 
     /// Write the generalized coordinates and velocities of these motions into the state `y`.
@@ -143,6 +149,12 @@ impl Motion {
             }
         }
     }
+}
+
+/// Return the vectors of these arrays.
+fn triples([x, y, angle]: [&[f64]; 3]) -> impl Iterator<Item = [f64; 3]> {
+    let triples = x.iter().zip(y).zip(angle);
+    triples.map(|((&x, &y), &angle)| [x, y, angle])
 }
 
 /// Return ((centre, velocity), (angle, angular speed)) of one sprocket at time `t` \[s\].

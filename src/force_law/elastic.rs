@@ -82,6 +82,12 @@ macro_rules! elastic_laws {
                 }
             }
 
+            fn energy_of_all(self, pair: &[f64; 2], penetrations: &[f64]) -> f64 {
+                match self {
+                    $(Self::$form => super::$form.energy_of_all(pair, penetrations),)+
+                }
+            }
+
             fn force(self, pair: &[f64; 2], penetration: f64) -> f64 {
                 match self {
                     $(Self::$form => super::$form.force(pair, penetration),)+
@@ -223,6 +229,11 @@ impl ElasticPair {
         self.form.energy(&self.constants, penetration)
     }
 
+    /// Return the sum of the elastic energies \[J\] at these penetrations \[m\].
+    pub(crate) fn energy_of_all(&self, penetrations: &[f64]) -> f64 {
+        self.form.energy_of_all(&self.constants, penetrations)
+    }
+
     /// Return the penetration \[m\] at which the law's range ends.
     #[must_use]
     pub fn range_end(&self) -> f64 {
@@ -278,6 +289,21 @@ mod tests {
                     assert_eq!(all, [0.0; 3], "{law:?}");
                 }
                 assert!(pair.force(f64::NAN).is_nan());
+            }
+        }
+    }
+
+    #[test]
+    fn the_energy_of_all_is_the_sum_of_each_in_their_order() {
+        for law in Elastic::ALL.into_iter().chain([Elastic::Linear(2e8)]) {
+            let pair = ElasticPair::prepare(law, &surfaces()[0]);
+            for count in [0, 1, 31, 32, 33, 70] {
+                let depths = (0..count).map(|i| 1e-7 * f64::from(i % 7 - 2) * f64::from(i));
+                let depths: Vec<f64> = depths.collect();
+                let each = depths.iter().map(|&depth| pair.energy(depth));
+                let sum = each.fold(0.0, |sum, energy| sum + energy);
+                assert_eq!(pair.energy_of_all(&depths), sum, "{law:?} {count}");
+                assert!(count < 31 || sum > 0.0);
             }
         }
     }

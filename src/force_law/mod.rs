@@ -150,6 +150,22 @@ pub(crate) trait ElasticLaw: Copy {
         }
         self.stored(pair, penetration, self.force(pair, penetration))
     }
+
+    /// Return the sum of the energies stored at these penetrations \[J\].
+    fn energy_of_all(self, pair: &[f64; 2], penetrations: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        // The energies of a block may be computed side by side, their sum is one after the other.
+        for block in penetrations.chunks(32) {
+            let mut energies = [0.0; 32];
+            for (energy, &penetration) in energies.iter_mut().zip(block) {
+                *energy = self.energy(pair, penetration);
+            }
+            for energy in &energies[..block.len()] {
+                sum += energy;
+            }
+        }
+        sum
+    }
 }
 
 /// Stiffness of a loaded contact that moves from one region of a tooth to the next.

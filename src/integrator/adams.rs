@@ -191,7 +191,7 @@ impl Adams {
 
     /// Write the solution at `t` inside the last step.
     pub fn interpolate(&self, t: f64, y: &mut [f64]) {
-        self.dense(t).write(y);
+        self.dense(t).write(self.instructions, y);
     }
 
     /// Return the length that event screening may skip in a step \[m\].

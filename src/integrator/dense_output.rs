@@ -2,8 +2,11 @@
 //!
 //! At order k the polynomial has degree k + 1. It meets the end of the step exactly; the start of an implicit step to about the tolerance.
 
+use pulp::{Simd, WithSimd};
+
 use super::differences::Differences;
 use super::{Adams, MAX_ORDER};
+use crate::math::simd::InstructionSet;
 
 /// Dense output at one time: weights of the differences, from which components are computed on demand.
 #[derive(Debug)]
@@ -68,11 +71,28 @@ impl<'a> DenseOutput<'a> {
     }
 
     /// Write all components.
-    pub fn write(&self, y: &mut [f64]) {
+    pub(super) fn write(&self, set: InstructionSet, y: &mut [f64]) {
+        set.run(Write { dense: self, y });
+    }
+}
+
+/// Kernel of [`DenseOutput::write`]: plain loops that the compiler vectorizes for the instruction set.
+struct Write<'a> {
+    dense: &'a DenseOutput<'a>,
+    y: &'a mut [f64],
+}
+
+impl WithSimd for Write<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    #[allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
+    fn with_simd<S: Simd>(self, _: S) {
+        let (dense, y) = (self.dense, self.y);
         y.fill(0.0);
-        for i in (0..self.terms).rev() {
-            let weight = self.weights[i];
-            match self.differences.parts_of_row(i) {
+        for i in (0..dense.terms).rev() {
+            let weight = dense.weights[i];
+            match dense.differences.parts_of_row(i) {
                 (row, None) => {
                     for (y, phi) in y.iter_mut().zip(row) {
                         *y += weight * phi;
@@ -85,8 +105,8 @@ impl<'a> DenseOutput<'a> {
                 }
             }
         }
-        for (y, end) in y.iter_mut().zip(self.y) {
-            *y = end + self.distance * *y;
+        for (y, end) in y.iter_mut().zip(dense.y) {
+            *y = end + dense.distance * *y;
         }
     }
 }

@@ -24,12 +24,12 @@ pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
 
 /// A closed chain at one instant.
 pub(crate) struct ChainRow<'a> {
-    /// Centres of the links' bodies \[m\].
-    pub(crate) links: &'a [Vec2],
-    /// Centre of the bushing of each hinge \[m\].
-    pub(crate) bushings: &'a [Vec2],
-    /// Force of each hinge on the link before it \[N\].
-    pub(crate) on_front: &'a [Vec2],
+    /// Centres of the links' bodies, x and y \[m\].
+    pub(crate) links: [&'a [f64]; 2],
+    /// Centre of the bushing of each hinge, x and y \[m\].
+    pub(crate) bushings: [&'a [f64]; 2],
+    /// Force of each hinge on the link before it, x and y \[N\].
+    pub(crate) on_front: [&'a [f64]; 2],
     /// The sprockets in the order in which the strands leave them, with their pitch circles.
     pub(crate) pulleys: &'a [Pulley],
     /// How far from its centre each of them is in reach of a bushing \[m\].
@@ -44,6 +44,12 @@ struct Mean {
 }
 
 impl ChainRow<'_> {
+    /// Return the centres of the bushings \[m\].
+    fn bushings(&self) -> impl DoubleEndedIterator<Item = Vec2> + ExactSizeIterator {
+        let [x, y] = self.bushings;
+        x.iter().zip(y).map(|(&x, &y)| Vec2::new(x, y))
+    }
+
     /// Mean pull along the chain of the hinges of each strand \[N\]; zero for one without hinges.
     ///
     /// Two sprockets: upper strand, left of the line from the first listed to the second, then lower strand. More: strand `i` leaves
@@ -59,9 +65,14 @@ impl ChainRow<'_> {
 
     /// Adds hinge `k` to the hinges of a strand.
     fn add(&self, k: usize, mean: &mut Mean) {
-        let next = (k + 1) % self.links.len();
-        let along = (self.links[next] - self.links[k]).normalize();
-        mean.sum += self.on_front[k].dot(&along);
+        let next = if k + 1 < self.links[0].len() {
+            k + 1
+        } else {
+            0
+        };
+        let [here, there, force] = [(self.links, k), (self.links, next), (self.on_front, k)]
+            .map(|([x, y], k)| Vec2::new(x[k], y[k]));
+        mean.sum += force.dot(&(there - here).normalize());
         mean.count += 1.0;
     }
 
@@ -73,15 +84,15 @@ impl ChainRow<'_> {
         let Ok(belt) = Belt::around(self.pulleys) else {
             return means;
         };
-        let touched = |bushing: &Vec2| {
+        let touched = |bushing: Vec2| {
             let mut places = self.pulleys.iter().zip(self.reaches);
             places.position(|(pulley, &reach)| (bushing - pulley.center).norm() < reach)
         };
         // The last sprocket that the chain touches before its first hinge.
-        let Some(mut last) = self.bushings.iter().rev().find_map(touched) else {
+        let Some(mut last) = self.bushings().rev().find_map(touched) else {
             return means;
         };
-        for (k, bushing) in self.bushings.iter().enumerate() {
+        for (k, bushing) in self.bushings().enumerate() {
             let on = touched(bushing);
             last = on.unwrap_or(last);
             // With a wrap of more than half a turn, hinges on the far side of the sprocket lie beside the strand, too.
@@ -89,7 +100,7 @@ impl ChainRow<'_> {
             let meeting = (last + strands - 1) % strands;
             let near = [last, meeting]
                 .into_iter()
-                .filter_map(|i| beside(&belt.spans[i], *bushing).map(|apart| (apart, i)))
+                .filter_map(|i| beside(&belt.spans[i], bushing).map(|apart| (apart, i)))
                 .filter(|&(apart, _)| apart < widest)
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((_, strand)) = near {
@@ -108,7 +119,7 @@ impl ChainRow<'_> {
         let cos = (first.radius - second.radius) / distance;
         let between = (first.radius * cos)..=(distance + second.radius * cos);
         let mut means = vec![Mean::default(); 2];
-        for (k, bushing) in self.bushings.iter().enumerate() {
+        for (k, bushing) in self.bushings().enumerate() {
             let offset = bushing - first.center;
             if between.contains(&offset.dot(&axis)) {
                 let strand = usize::from(axis.x * offset.y - axis.y * offset.x < 0.0);

@@ -102,22 +102,20 @@ pub(crate) fn write_row(
 fn write_bodies(row: &mut Row, dynamics: &MechanismDynamics) {
     let first = &dynamics.model.first[1..];
     let frames = &dynamics.frames[1..];
-    row.real((frames.iter()).flat_map(|frame| [frame.origin.x, frame.origin.y, frame.angle]));
-    row.real(frames.iter().zip(first).flat_map(|(frame, first)| {
+    row.vectors((frames.iter()).map(|frame| [frame.origin.x, frame.origin.y, frame.angle]));
+    row.vectors(frames.iter().zip(first).map(|(frame, first)| {
         first.map_or([0.0; 3], |_| {
             [frame.velocity.x, frame.velocity.y, frame.spin]
         })
     }));
     let a = &dynamics.accelerations;
-    row.real(
-        (first.iter()).flat_map(|first| first.map_or([0.0; 3], |i| [a[i], a[i + 1], a[i + 2]])),
-    );
+    row.vectors((first.iter()).map(|first| first.map_or([0.0; 3], |i| [a[i], a[i + 1], a[i + 2]])));
 }
 
 /// Write reactions, largest residuals and peaks of all joints.
 fn write_joints(row: &mut Row, dynamics: &MechanismDynamics) {
     let joints = dynamics.model.joints.len();
-    row.real((0..joints).flat_map(|joint| dynamics.reaction(joint)));
+    row.vectors((0..joints).map(|joint| dynamics.reaction(joint)));
     let mut residuals = [vec![0.0f64; joints], vec![0.0f64; joints]];
     for (equation, line) in dynamics
         .model
@@ -135,7 +133,7 @@ fn write_joints(row: &mut Row, dynamics: &MechanismDynamics) {
         }
     }
     for residual in residuals {
-        row.real(residual);
+        row.copy(&residual);
     }
     let forces: Vec<f64> = (0..joints)
         .map(|joint| dynamics.joint_force(joint))
@@ -151,9 +149,9 @@ fn write_contacts(row: &mut Row, dynamics: &MechanismDynamics, impacts: &[f64]) 
         .pushes(model)
         .map(|push| push.norm())
         .collect();
-    row.real(forces.iter().copied());
-    row.real(dynamics.contacts.pushes(model).flat_map(<[f64; 2]>::from));
-    row.real(impacts.iter().copied());
+    row.copy(&forces);
+    row.vectors(dynamics.contacts.pushes(model).map(<[f64; 2]>::from));
+    row.copy(impacts);
     let sides = || model.contacts.iter().zip(&model.sides_of_contact);
     row.real(sides().map(|(contact, sides)| {
         let side_states = &dynamics.contacts.side_states[sides.clone()];

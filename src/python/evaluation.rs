@@ -7,7 +7,6 @@ use pyo3::types::PyDict;
 use super::arrays::{recorded, table};
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::Model;
-use crate::geometry::Vec2;
 use crate::multibody::Assembly;
 use crate::multibody::from_drive::channels::BushingContact;
 use crate::run::simulation::Statistics;
@@ -108,24 +107,22 @@ pub(super) fn drive_evaluation<'py>(
 
 /// Add the contacts of hinges and rollers.
 fn put_joints(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
-    let (py, links) = (found.py(), dynamics.model().links);
-    let vectors = |force: &dyn Fn(usize) -> Vec2| {
-        table(py, (0..links).map(|k| <[f64; 2]>::from(force(k))).collect())
-    };
+    let py = found.py();
     let hinges = &dynamics.evaluated.hinges;
     found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
     let depths = hinges.penetration.clone();
     found.set_item("hinge_penetration", depths.into_pyarray(py))?;
-    found.set_item("hinge_force_vector", vectors(&|k| hinges.force_on_pin(k))?)?;
+    found.set_item(
+        "hinge_force_vector",
+        table(py, hinges.forces_on_pins().collect())?,
+    )?;
     if dynamics.model().rollers.is_some() {
         let rollers = &dynamics.evaluated.rollers;
         found.set_item("roller_force", rollers.force.clone().into_pyarray(py))?;
         let depths = rollers.penetration.clone();
         found.set_item("roller_penetration", depths.into_pyarray(py))?;
-        found.set_item(
-            "roller_force_vector",
-            vectors(&|k| rollers.force_on_roller(k))?,
-        )?;
+        let forces = rollers.forces_on_rollers().collect();
+        found.set_item("roller_force_vector", table(py, forces)?)?;
     }
     Ok(())
 }
@@ -148,10 +145,10 @@ fn put_teeth(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
         }
         BushingContact {
             force: teeth.force[pair],
-            vector: teeth.force_on_bushing(pair).into(),
+            vector: [0, 1].map(|axis| teeth.on_bushing[axis][pair]),
             #[allow(clippy::cast_possible_wrap)] // gaps are few
             gap: teeth.gap[pair] as i32,
-            region: i32::from(teeth.region[pair]),
+            region: i32::from(teeth.region(&model.sprockets[apart.sprocket].profile, pair)),
             ..apart
         }
     };

@@ -186,7 +186,7 @@ impl<S: System> Recorder<S> {
             let passed = [dissipated, external_work + spun_up, residual];
             let losses = system.losses(&since).into_iter().map(|loss| loss.1);
             for value in stored.into_iter().chain(passed).chain(losses) {
-                row.real([value]);
+                row.copy(&[value]);
             }
             let passed = Passed {
                 dissipated,

@@ -144,40 +144,80 @@ pub struct Row<'a> {
     pub(crate) first: bool,
 }
 
-impl Row<'_> {
+impl<'a> Row<'a> {
+    /// Append a row to the next channel, one of real numbers, and return it: all of it is to be written.
+    pub(crate) fn next_real(&mut self) -> &'a mut [f64] {
+        self.channels.next().map_or(&mut [], |channel| {
+            let numbers = channel.row_length();
+            match &mut channel.values {
+                Values::Real(all) => appended(all, numbers),
+                Values::Whole(_) => &mut [],
+            }
+        })
+    }
+
+    /// Append a row to the next channel, one of integers, and return it: all of it is to be written.
+    pub(crate) fn next_whole(&mut self) -> &'a mut [i32] {
+        self.channels.next().map_or(&mut [], |channel| {
+            let numbers = channel.row_length();
+            match &mut channel.values {
+                Values::Whole(all) => appended(all, numbers),
+                Values::Real(_) => &mut [],
+            }
+        })
+    }
+
     pub(crate) fn real(&mut self, values: impl IntoIterator<Item = f64>) {
-        if let Some(Channel {
-            values: Values::Real(all),
-            ..
-        }) = self.channels.next()
-        {
-            all.extend(values);
+        for (place, value) in self.next_real().iter_mut().zip(values) {
+            *place = value;
+        }
+    }
+
+    /// Write a channel of vectors of N components.
+    pub(crate) fn vectors<const N: usize>(&mut self, values: impl IntoIterator<Item = [f64; N]>) {
+        let (places, _) = self.next_real().as_chunks_mut();
+        for (place, value) in places.iter_mut().zip(values) {
+            *place = value;
         }
     }
 
     pub(crate) fn whole(&mut self, values: impl IntoIterator<Item = i32>) {
-        if let Some(Channel {
-            values: Values::Whole(all),
-            ..
-        }) = self.channels.next()
-        {
-            all.extend(values);
+        for (place, value) in self.next_whole().iter_mut().zip(values) {
+            *place = value;
         }
+    }
+
+    /// Write a channel of these numbers.
+    pub(crate) fn copy(&mut self, values: &[f64]) {
+        copy(&mut self.channels, values);
     }
 
     /// End the interval of the peaks of a kind with the `forces` of this row, and write largest forces and impulses.
     pub(crate) fn close_peaks(&mut self, kind: usize, forces: &[f64]) {
         for values in self.peaks[kind].close(self.time, forces, self.first) {
-            if let Some(Channel {
-                values: Values::Real(all),
-                ..
-            }) = self.channels.next()
-            {
-                all.extend(values);
-            }
+            copy(&mut self.channels, values);
         }
         self.peaks[kind].begin_interval();
     }
+}
+
+/// Write the next of these channels.
+fn copy(channels: &mut std::slice::IterMut<Channel>, values: &[f64]) {
+    if let Some(Values::Real(all)) = channels.next().map(|channel| &mut channel.values) {
+        all.extend_from_slice(values);
+    }
+}
+
+/// Append `count` numbers and return them.
+///
+/// The row before is copied: `resize` writes number by number.
+fn appended<T: Copy + Default>(all: &mut Vec<T>, count: usize) -> &mut [T] {
+    let first = all.len();
+    match first.checked_sub(count) {
+        Some(before) => all.extend_from_within(before..),
+        None => all.resize(count, T::default()),
+    }
+    &mut all[first..]
 }
 
 #[cfg(test)]
@@ -245,6 +285,9 @@ mod tests {
     fn a_row_is_written_in_the_order_of_its_channels_with_its_peaks_closed() {
         let mut channels = vec![
             Channel::real("place", &[2]),
+            Channel::real("pairs", &[2, 2]),
+            Channel::real("copy", &[3]),
+            Channel::real("filled", &[2]),
             Channel::whole("region", &[1]),
             Channel::real("largest force", &[1]),
             Channel::real("impulse", &[1]),
@@ -258,6 +301,9 @@ mod tests {
                 first: time == 0.0,
             };
             row.real([time, -time]);
+            row.vectors([[time, 1.0], [2.0, -time]]);
+            row.copy(&[time, 2.0, 3.0]);
+            row.next_real().fill(time);
             row.whole([5]);
             row.close_peaks(0, &[force]);
         }
@@ -266,6 +312,11 @@ mod tests {
             channels,
         };
         assert_eq!(recording.real("place"), [0.0, 0.0, 1.0, -1.0, 3.0, -3.0]);
+        let [pairs, copy] = ["pairs", "copy"].map(|name| recording.real(name));
+        assert_eq!(pairs[..4], [0.0, 1.0, 2.0, -0.0]);
+        assert_eq!(pairs[4..], [1.0, 1.0, 2.0, -1.0, 3.0, 1.0, 2.0, -3.0]);
+        assert_eq!(copy, [0.0, 2.0, 3.0, 1.0, 2.0, 3.0, 3.0, 2.0, 3.0]);
+        assert_eq!(recording.real("filled"), [0.0, 0.0, 1.0, 1.0, 3.0, 3.0]);
         assert_eq!(recording.whole("region"), [5, 5, 5]);
         // Trapezoidal rule: 1 s between 2 N and 4 N, then 2 s between 4 N and 1 N.
         assert_eq!(recording.real("largest force"), [0.0, 4.0, 4.0]);

@@ -187,7 +187,7 @@ fn the_states_compared_have_every_kind_of_contact() {
             for &pair in &dynamics.evaluated.teeth.near {
                 let pair = pair as usize;
                 if dynamics.evaluated.teeth.penetration[pair] > 0.0 {
-                    match surfaces.get_mut(dynamics.evaluated.teeth.surface[pair].index()) {
+                    match surfaces.get_mut(dynamics.evaluated.teeth.surface(pair).index()) {
                         Some(count) => *count += 1,
                         None => beyond += 1, // edges, lands, damaged teeth
                     }

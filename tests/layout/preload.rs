@@ -77,7 +77,7 @@ fn cut(drive: &Drive, s: usize) -> Cut {
         );
     }
     let hinges = &dynamics.evaluated.hinges;
-    let point = |k: usize| hinges.bushing(k % n).0;
+    let point = |k: usize| hinges.bushing(k % n);
     let on_rear = -hinges.force_on_front(rear % n);
     let on_front = hinges.force_on_front(front % n);
     let mut force = on_rear + on_front;

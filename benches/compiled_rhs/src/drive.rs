@@ -221,7 +221,7 @@ impl Evolving for DriveSystem {
             };
             let (t, rate) = self.onset(step, find);
             self.depth_at(step, t, find);
-            memory.begin_tooth(pair, rate, self.dynamics.evaluated.teeth.surface[pair]);
+            memory.begin_tooth(pair, rate, self.dynamics.evaluated.teeth.surface(pair));
         }
         if self.metered {
             // What parted in this step keeps its memory up to its end.

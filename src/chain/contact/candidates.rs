@@ -9,6 +9,8 @@ mod checkpoint;
 
 pub(crate) use checkpoint::CandidatesCheckpoint;
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::chain::contact::ImpactMemory;
@@ -104,6 +106,15 @@ impl SprocketCandidates {
         })
     }
 
+    /// Return (first bushing, slots) of all runs in a chain of `links` links; a run past the last bushing is two pieces.
+    pub(crate) fn pieces(&self, links: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+        self.runs.iter().flat_map(move |run| {
+            let behind = (run.first + run.length).saturating_sub(links);
+            let (end, turn) = (run.slot + run.length, run.slot + run.length - behind);
+            [(run.first, run.slot..turn), (0, turn..end)]
+        })
+    }
+
     /// Return the slot of a bushing; `None` where it is no candidate.
     fn slot_of(&self, bushing: usize, links: usize) -> Option<usize> {
         // The distance along the ring, modulo the number of links, also finds bushings behind the end of the chain.
@@ -147,11 +158,13 @@ impl SprocketCandidates {
         ]
     }
 
-    /// Copy runs, gaps and constants of `other` without allocation. Results of the kernel are reset to zero.
+    /// Copy runs, gaps and constants of `other` without allocation. Results of the kernel are undefined until it writes them.
     fn copy(&mut self, other: &Self) {
         self.runs.clear();
         self.runs.extend_from_slice(&other.runs);
-        self.resize(other.gap.len());
+        if self.gap.len() != other.gap.len() {
+            self.resize(other.gap.len());
+        }
         self.gap.copy_from_slice(&other.gap);
         self.gap_cos.copy_from_slice(&other.gap_cos);
         self.gap_sin.copy_from_slice(&other.gap_sin);

@@ -109,7 +109,7 @@ impl Dynamics {
                 self.memory.begin_tooth(
                     pair,
                     self.evaluated.teeth.rate[pair],
-                    self.evaluated.teeth.surface[pair],
+                    self.evaluated.teeth.surface(pair),
                 );
             }
         }

@@ -13,21 +13,19 @@ use crate::system::Energy;
 pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     let (model, motion) = (dynamics.model(), &dynamics.evaluated.motion);
     let mut energy = Energy::default();
-    let mut add_body = |body: usize, mass: f64, inertia: f64| {
-        let (vx, vy, spin) = (motion.vx[body], motion.vy[body], motion.spin[body]);
-        // T = (m v² + J ω²)/2, V = -m g · r.
-        energy.kinetic += 0.5 * mass * (vx * vx + vy * vy) + 0.5 * inertia * spin * spin;
-        energy.gravity -= mass
-            * model
-                .gravity
-                .dot(&Vec2::new(motion.x[body], motion.y[body]));
-    };
-    for i in (0..model.links).filter(|&i| !model.is_held(i)) {
-        add_body(i, model.chain.mass[i], model.chain.inertia[i]);
+    let moves = || motion.each_position().zip(motion.each_velocity());
+    let open = model.ends.is_some();
+    let constants = model.chain.mass.iter().zip(&model.chain.inertia);
+    for (i, (moves, (&mass, &inertia))) in moves().zip(constants).enumerate() {
+        if !open || !model.is_held(i) {
+            energy.add_body(mass, inertia, moves, model.gravity);
+        }
     }
     if let Some(rollers) = &model.rollers {
-        for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
-            add_body(model.links + k, rollers.mass, rollers.inertia);
+        for (k, moves) in moves().skip(model.links).take(model.links).enumerate() {
+            if !open || model.bushing_is_there(k) {
+                energy.add_body(rollers.mass, rollers.inertia, moves, model.gravity);
+            }
         }
     }
     let (mut arms, mut springs) = (0.0, 0.0);
@@ -54,7 +52,9 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
         } else {
             sprocket.inertia
         };
-        add_body(body, mass, inertia);
+        let place = [motion.x[body], motion.y[body], motion.angle[body]];
+        let moves = (place, [motion.vx[body], motion.vy[body], motion.spin[body]]);
+        energy.add_body(mass, inertia, moves, model.gravity);
     }
     energy.kinetic += arms;
     energy.elastic = elastic_energy(dynamics) + springs;
@@ -62,6 +62,21 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
         energy.elastic += dynamics.stored().total();
     }
     energy
+}
+
+impl Energy {
+    /// Add a body at (x, y, θ) with these velocities: T = (m v² + J ω²)/2, V = -m g · r.
+    #[inline]
+    fn add_body(
+        &mut self,
+        mass: f64,
+        inertia: f64,
+        ([x, y, _], [vx, vy, spin]): ([f64; 3], [f64; 3]),
+        gravity: Vec2,
+    ) {
+        self.kinetic += 0.5 * mass * (vx * vx + vy * vy) + 0.5 * inertia * spin * spin;
+        self.gravity -= mass * gravity.dot(&Vec2::new(x, y));
+    }
 }
 
 /// Return the kinetic energy of the prescribed rotations \[J\].
@@ -79,29 +94,33 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
     let law = &model.hinges.law.pairs;
     let (form, pair) = (law.form(), &law.pairs()[0]);
-    let hinges = dynamics.evaluated.hinges.penetration.iter().enumerate();
-    let hinges = hinges.map(|(k, &depth)| match model.hinges.compliance_at(k) {
-        None => form.energy(pair, depth),
+    let depths = &dynamics.evaluated.hinges.penetration;
+    let hinges = match &model.hinges.compliance {
+        None => form.energy_of_all(pair, depths),
         Some(compliance) => {
-            // Contact and plates in series: δ = δ_c + C f(δ_c), V = V_c(δ_c) + C f²/2.
-            let pressed = depth_in_series(form, *pair, compliance, depth);
-            let force = form.force(pair, pressed);
-            form.energy(pair, pressed) + 0.5 * compliance * force * force
+            let hinges = depths.iter().zip(compliance);
+            let energies = hinges.map(|(&depth, &compliance)| {
+                // Contact and plates in series: δ = δ_c + C f(δ_c), V = V_c(δ_c) + C f²/2.
+                let pressed = depth_in_series(form, *pair, compliance, depth);
+                let force = form.force(pair, pressed);
+                form.energy(pair, pressed) + 0.5 * compliance * force * force
+            });
+            energies.sum()
         }
+    };
+    let rollers = model.rollers.as_ref().map_or(0.0, |rollers| {
+        let depths = &dynamics.evaluated.rollers.penetration;
+        rollers.law.pairs.pair(0).energy_of_all(depths)
     });
-    let hinges: f64 = hinges.sum();
-    let rollers: f64 = model.rollers.as_ref().map_or(0.0, |rollers| {
-        let pair = rollers.law.pairs.pair(0);
-        let depths = dynamics.evaluated.rollers.penetration.iter();
-        depths.map(|&depth| pair.energy(depth)).sum()
-    });
-    let law = &model.teeth.law.pairs;
-    let teeth = dynamics.evaluated.teeth.near.iter().map(|&pair| {
-        let pair = pair as usize;
-        let number = model.tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
-        law.pair(number)
-            .energy(dynamics.evaluated.teeth.penetration[pair])
-    });
-    let teeth: f64 = teeth.sum();
+    let (law, teeth) = (&model.teeth.law.pairs, &dynamics.evaluated.teeth);
+    let pressed = teeth
+        .pairs()
+        .filter(|&(pair, ..)| teeth.penetration[pair] > 0.0);
+    let teeth: f64 = pressed
+        .map(|(pair, s, _)| {
+            let number = model.tooth_pair(s, dynamics.stiffness_surface(pair));
+            law.pair(number).energy(teeth.penetration[pair])
+        })
+        .sum();
     hinges + teeth + rollers
 }

@@ -128,14 +128,16 @@ impl Dynamics {
         let chain = kernels.chain();
         self.evaluated.motion.cos[..model.links].copy_from_slice(&chain.cos[..model.links]);
         self.evaluated.motion.sin[..model.links].copy_from_slice(&chain.sin[..model.links]);
+        let instructions = kernels.instructions();
         self.evaluated
             .hinges
-            .read(model, &self.evaluated.motion, chain);
+            .read(model, &self.evaluated.motion, chain, instructions);
         self.evaluated.rollers.read(
             model,
             &self.evaluated.motion,
             &self.evaluated.hinges,
             kernels.rollers(),
+            instructions,
         );
         let accelerations = &self.reader.accelerations[model.bristles.all()];
         self.evaluated.bristles.rate.copy_from_slice(accelerations);
@@ -148,7 +150,7 @@ impl Dynamics {
         } = &mut *self.reader;
         self.evaluated.teeth.clear();
         for s in 0..self.model.sprockets.len() {
-            let candidates = kernels.read_teeth(s, readings);
+            let candidates = kernels.read_teeth(&self.model, s, readings);
             self.evaluated
                 .teeth
                 .read(&self.model, s, candidates, readings);

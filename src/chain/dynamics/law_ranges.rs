@@ -109,7 +109,7 @@ impl Dynamics {
         {
             self.memory.tooth_surface[pair]
         } else {
-            self.evaluated.teeth.surface[pair]
+            self.evaluated.teeth.surface(pair)
         }
     }
 }

@@ -39,7 +39,7 @@ impl Dynamics {
             if touching && speed == 0.0 {
                 let (rate, surface) = (
                     self.evaluated.teeth.rate[pair],
-                    self.evaluated.teeth.surface[pair],
+                    self.evaluated.teeth.surface(pair),
                 );
                 self.memory.begin_tooth(pair, rate, surface);
             } else if !touching && speed > 0.0 {

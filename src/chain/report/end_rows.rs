@@ -14,7 +14,7 @@ pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {
     );
     // The body of the first end is the front link of its hinge, the body of the last end the rear link.
     let of = |end: usize| (&ends.bodies[end], if end == 0 { 1.0 } else { -1.0 });
-    row.real([0, 1].into_iter().flat_map(|i| {
+    row.vectors([0, 1].map(|i| {
         let (end, sign) = of(i);
         <[f64; 2]>::from(sign * hinges.force_on_front(end.hinge))
     }));
@@ -26,11 +26,11 @@ pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {
             sign * model.chain.arms[body] * Vec2::new(motion.cos[body], motion.sin[body]),
         )
     };
-    row.real([0, 1].into_iter().flat_map(|i| {
+    row.vectors([0, 1].map(|i| {
         let (body, arm) = arm(i);
         [motion.x[body] + arm.x, motion.y[body] + arm.y]
     }));
-    row.real([0, 1].into_iter().flat_map(|i| {
+    row.vectors([0, 1].map(|i| {
         let (body, arm) = arm(i);
         let turn = motion.spin[body] * turned_left(arm);
         [motion.vx[body] + turn.x, motion.vy[body] + turn.y]
@@ -56,7 +56,7 @@ pub(super) fn tensions(dynamics: &Dynamics) -> Vec<f64> {
     let near = |k: usize, s: usize| {
         let wheel = model.wheel_body(s);
         let center = Vec2::new(motion.x[wheel], motion.y[wheel]);
-        (hinges.bushing(k).0 - center).norm() < model.sprockets[s].reach
+        (hinges.bushing(k) - center).norm() < model.sprockets[s].reach
     };
     let mut strand = 0_usize;
     for k in std::iter::once(n - 1).chain(0..ends.links) {

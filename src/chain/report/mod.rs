@@ -21,7 +21,7 @@ pub use accelerations::Accelerations;
 pub(crate) use channels::channels;
 pub use groups::Groups;
 pub use hinges::HingeContacts;
-pub use rollers::{RollerContacts, on_teeth};
+pub use rollers::RollerContacts;
 pub(crate) use rows::{HINGES, ROLLERS, write_row};
 pub use teeth::ToothContacts;
 

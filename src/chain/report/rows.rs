@@ -29,7 +29,8 @@ pub(crate) fn write_row(
         write_hinges(row, dynamics);
         row.close_peaks(HINGES, &dynamics.evaluated.hinges.force);
         if model.hinges.film.is_some() {
-            row.real(dynamics.evaluated.hinges.film.iter().map(Vec2::norm));
+            let [x, y] = &dynamics.evaluated.hinges.film;
+            row.real(x.iter().zip(y).map(|(&x, &y)| Vec2::new(x, y).norm()));
         }
         if let Some(ends) = &model.ends {
             end_rows::write(row, dynamics, ends);
@@ -41,14 +42,15 @@ pub(crate) fn write_row(
     }
     if groups.teeth {
         write_teeth(row, dynamics);
-        gather_by_bushing(&dynamics.evaluated.teeth, model.links, tooth_forces);
+        gather_by_bushing(&dynamics.evaluated.teeth, tooth_forces);
         row.close_peaks(TEETH, tooth_forces);
     }
     if groups.sprockets {
         write_sprockets(row, dynamics, t);
     }
     if groups.bodies {
-        row.real(dynamics.evaluated.motion.positions().into_iter().flatten());
-        row.real(dynamics.evaluated.motion.velocities().into_iter().flatten());
+        let motion = &dynamics.evaluated.motion;
+        row.vectors(motion.each_position());
+        row.vectors(motion.each_velocity());
     }
 }

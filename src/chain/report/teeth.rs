@@ -3,35 +3,27 @@
 use crate::chain::contact::SprocketCandidates;
 use crate::chain::model::Model;
 use crate::chain::rhs::ToothReadings;
-use crate::geometry::{Surface, Vec2, turned_left};
+use crate::geometry::{Surface, ToothProfile};
 
 /// Contacts of all bushings with all sprockets; pair `sprocket * links + bushing`.
 #[derive(Debug, Clone)]
 pub struct ToothContacts {
+    links: usize,
     /// Penetration δ \[m\]; -inf for a pair out of reach.
     pub penetration: Vec<f64>,
     /// Pairs within reach, sprocket by sprocket; the arrays below are valid for these pairs only.
     pub near: Vec<u32>,
     /// Penetration rate dδ/dt \[m/s\].
     pub rate: Vec<f64>,
-    /// Direction of increasing penetration, x.
-    pub normal_x: Vec<f64>,
-    /// Direction of increasing penetration, y.
-    pub normal_y: Vec<f64>,
-    /// Centre of the bushing relative to that of the sprocket, x \[m\].
-    pub arm_x: Vec<f64>,
-    /// Centre of the bushing relative to that of the sprocket, y \[m\].
-    pub arm_y: Vec<f64>,
-    /// Number of the surface.
-    pub surface: Vec<Surface>,
-    /// Region from 1.
-    pub region: Vec<u8>,
+    /// Number of the surface, and one on a left flank, zero on a right one; as the kernels write them.
+    surface: Vec<f64>,
+    left: Vec<f64>,
     /// Tooth gap of the bushing.
     pub gap: Vec<u32>,
     /// Normal force \[N\].
     pub force: Vec<f64>,
-    /// Friction on the sprocket, along the normal turned left \[N\]; zero without a law of friction.
-    pub friction: Vec<f64>,
+    /// Force of the sprocket on the bushing, with friction, x and y \[N\].
+    pub on_bushing: [Vec<f64>; 2],
 }
 
 impl ToothContacts {
@@ -41,26 +33,42 @@ impl ToothContacts {
         let pairs = links * sprockets;
         let zeros = || vec![0.0; pairs];
         Self {
+            links,
             penetration: vec![f64::NEG_INFINITY; pairs],
             near: Vec::with_capacity(pairs),
             rate: zeros(),
-            normal_x: zeros(),
-            normal_y: zeros(),
-            arm_x: zeros(),
-            arm_y: zeros(),
-            surface: vec![Surface::SEATING; pairs],
-            region: vec![0; pairs],
+            surface: zeros(),
+            left: zeros(),
             gap: vec![0; pairs],
             force: zeros(),
-            friction: zeros(),
+            on_bushing: [zeros(), zeros()],
         }
     }
 
-    /// Return the force of the sprocket on the bushing of a pair within reach, with friction \[N\].
+    /// Return (pair, sprocket, bushing) of all pairs within reach.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize, usize)> {
+        // `near` is in the order of the sprockets: counted on, without a division.
+        let (mut sprocket, mut first) = (0, 0);
+        self.near.iter().map(move |&pair| {
+            let pair = pair as usize;
+            while pair >= first + self.links {
+                (sprocket, first) = (sprocket + 1, first + self.links);
+            }
+            (pair, sprocket, pair - first)
+        })
+    }
+
+    /// Return the surface of a pair within reach.
     #[must_use]
-    pub fn force_on_bushing(&self, pair: usize) -> Vec2 {
-        let normal = Vec2::new(self.normal_x[pair], self.normal_y[pair]);
-        -self.force[pair] * normal - self.friction[pair] * turned_left(normal)
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // surfaces are few
+    pub fn surface(&self, pair: usize) -> Surface {
+        Surface(self.surface[pair] as u8)
+    }
+
+    /// Return the region from 1 of a pair within reach, on a sprocket of this profile.
+    #[must_use]
+    pub fn region(&self, profile: &ToothProfile, pair: usize) -> u8 {
+        profile.region(self.surface(pair), self.left[pair] > 0.0)
     }
 
     /// Mark all pairs as out of reach.
@@ -68,13 +76,12 @@ impl ToothContacts {
         for &pair in &self.near {
             self.penetration[pair as usize] = f64::NEG_INFINITY;
             self.force[pair as usize] = 0.0;
-            self.friction[pair as usize] = 0.0;
         }
         self.near.clear();
     }
 
-    /// Copy the candidates of sprocket `s` within reach of its teeth from `readings` of an evaluation.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // pairs and surfaces are few
+    /// Copy the candidates of sprocket `s` from `readings` of an evaluation.
+    #[allow(clippy::cast_possible_truncation)] // pairs are few
     pub(crate) fn read(
         &mut self,
         model: &Model,
@@ -82,29 +89,36 @@ impl ToothContacts {
         candidates: &SprocketCandidates,
         readings: &ToothReadings,
     ) {
-        let sprocket = &model.sprockets[s];
-        let reach_squared = sprocket.reach * sprocket.reach;
-        for (slot, k) in candidates.bushings(model.links) {
-            if !model.bushing_is_there(k) {
-                continue;
+        let [force_x, force_y] = &mut self.on_bushing;
+        let mut copies = [
+            (&mut self.penetration, &readings.penetration),
+            (&mut self.rate, &readings.rate),
+            (&mut self.surface, &readings.surface),
+            (&mut self.left, &readings.left),
+            (&mut self.force, &candidates.force),
+            (force_x, &readings.on_bushing[0]),
+            (force_y, &readings.on_bushing[1]),
+        ];
+        for (first, slots) in candidates.pieces(self.links) {
+            let pair = s * self.links + first;
+            let pairs = pair..pair + slots.len();
+            for (to, from) in &mut copies {
+                to[pairs.clone()].copy_from_slice(&from[slots.clone()]);
             }
-            let arm = Vec2::new(readings.arm[0][slot], readings.arm[1][slot]);
-            if arm.norm_squared() >= reach_squared {
-                continue;
+            self.gap[pairs].copy_from_slice(&candidates.gap[slots]);
+        }
+        let penetration = &mut *copies[0].0;
+        for (first, slots) in candidates.pieces(self.links) {
+            let pair = s * self.links + first;
+            let depths = &mut penetration[pair..pair + slots.len()];
+            for ((pair, k), depth) in (pair..).zip(first..).zip(depths) {
+                if model.ends.is_some() && !model.bushing_is_there(k) {
+                    *depth = f64::NEG_INFINITY;
+                }
+                if *depth != f64::NEG_INFINITY {
+                    self.near.push(pair as u32);
+                }
             }
-            let pair = s * model.links + k;
-            let surface = Surface(readings.surface[slot] as u8);
-            self.near.push(pair as u32);
-            self.penetration[pair] = readings.penetration[slot];
-            self.rate[pair] = readings.rate[slot];
-            (self.arm_x[pair], self.arm_y[pair]) = (arm.x, arm.y);
-            self.normal_x[pair] = readings.normal[0][slot];
-            self.normal_y[pair] = readings.normal[1][slot];
-            self.surface[pair] = surface;
-            self.region[pair] = sprocket.profile.region(surface, readings.left[slot] > 0.0);
-            self.gap[pair] = candidates.gap[slot];
-            self.force[pair] = candidates.force[slot];
-            self.friction[pair] = candidates.friction[slot];
         }
     }
 }

@@ -21,14 +21,13 @@ use crate::math::simd::{
 /// Contact quantities of the candidates of one sprocket, slot by slot.
 #[derive(Debug, Clone)]
 pub(crate) struct ToothReadings {
-    /// Penetration \[m\]; negative without contact.
+    /// Penetration \[m\]; negative without contact, -inf out of reach of the teeth.
     pub(crate) penetration: Numbers,
     /// Penetration rate \[m/s\].
     pub(crate) rate: Numbers,
-    /// Direction of growing penetration, x and y.
-    pub(crate) normal: [Numbers; 2],
-    /// Position of the bushing's centre relative to the sprocket's, x and y \[m\].
-    pub(crate) arm: [Numbers; 2],
+    /// Force of the sprocket on the bushing, x and y \[N\]: -normal force · n - friction · n turned left, with the direction n of
+    /// growing penetration.
+    pub(crate) on_bushing: [Numbers; 2],
     /// Number of the nearest surface.
     pub(crate) surface: Numbers,
     /// One on a left flank, zero on a right one.
@@ -42,8 +41,7 @@ impl ToothReadings {
         Self {
             penetration: zeros(),
             rate: zeros(),
-            normal: [zeros(), zeros()],
-            arm: [zeros(), zeros()],
+            on_bushing: [zeros(), zeros()],
             surface: zeros(),
             left: zeros(),
         }
@@ -56,6 +54,8 @@ pub(super) struct ReadTeeth<'a, C> {
     pub(super) pose: &'a SprocketPose,
     pub(super) arrays: &'a ChainArrays,
     pub(super) candidates: &'a SprocketCandidates,
+    /// Distance from the sprocket's centre out of which nothing touches its teeth \[m\].
+    pub(super) reach: f64,
     pub(super) readings: &'a mut ToothReadings,
 }
 
@@ -66,6 +66,8 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
     fn with_simd<S: Simd>(self, simd: S) {
         let splat = |value| Lanes::splat(simd, value);
         let (zero, one) = (splat(0.0), splat(1.0));
+        let (reach_squared, out_of_reach) =
+            (splat(self.reach * self.reach), splat(f64::NEG_INFINITY));
         let gaps = self.constants.gap(simd);
         let center = splat_two(simd, self.pose.center);
         let own = splat_two(simd, self.pose.velocity);
@@ -81,8 +83,9 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
             let readings = &mut *self.readings;
             let penetration = vectors_mut::<S>(&mut readings.penetration[slot..], blocks);
             let rate = vectors_mut::<S>(&mut readings.rate[slot..], blocks);
-            let normal = both_mut::<S>(&mut readings.normal, slot, blocks);
-            let arm = both_mut::<S>(&mut readings.arm, slot, blocks);
+            let force = vectors::<S>(&self.candidates.force[slot..], blocks);
+            let friction = vectors::<S>(&self.candidates.friction[slot..], blocks);
+            let on_bushing = both_mut::<S>(&mut readings.on_bushing, slot, blocks);
             let number = vectors_mut::<S>(&mut readings.surface[slot..], blocks);
             let on_left = vectors_mut::<S>(&mut readings.left[slot..], blocks);
             for b in 0..blocks {
@@ -94,12 +97,15 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
                 // Without contact in the last evaluation, a positive penetration is a rounding error and is set to zero.
                 let apart = -(-found).positive_part();
                 let depth = at(depth);
-                penetration[b] = depth.exceeds(zero).select(depth, apart).values();
+                let far = (x * x + y * y).greater(reach_squared);
+                let signed = depth.exceeds(zero).select(depth, apart);
+                penetration[b] = far.select(out_of_reach, signed).values();
                 let vx = spin.mul_add(y, at(velocity[0]) - own[0]);
                 let vy = spin.negate_mul_add(x, at(velocity[1]) - own[1]);
                 rate[b] = nx.mul_add(vx, ny * vy).values();
-                (normal[0][b], normal[1][b]) = (nx.values(), ny.values());
-                (arm[0][b], arm[1][b]) = (x.values(), y.values());
+                let (force, friction) = (at(force), at(friction));
+                on_bushing[0][b] = (friction * ny - force * nx).values();
+                on_bushing[1][b] = (-(force * ny) - friction * nx).values();
                 let (which, left) = gaps.surface(&surface, &place);
                 number[b] = which.values();
                 on_left[b] = left.select(one, zero).values();
@@ -180,7 +186,12 @@ impl Kernels {
     }
 
     /// Write the contact quantities of the candidates of sprocket `s` at the last evaluation into `readings`.
-    pub(crate) fn read_teeth(&self, s: usize, readings: &mut ToothReadings) -> &SprocketCandidates {
+    pub(crate) fn read_teeth(
+        &self,
+        model: &Model,
+        s: usize,
+        readings: &mut ToothReadings,
+    ) -> &SprocketCandidates {
         let candidates = &self.candidates.sprockets[s];
         macro_rules! read {
             ($constants:expr) => {
@@ -189,6 +200,7 @@ impl Kernels {
                     pose: &self.poses[s],
                     arrays: on_teeth(&self.chain, self.rollers.as_deref()),
                     candidates,
+                    reach: model.sprockets[s].reach,
                     readings,
                 })
             };

@@ -220,12 +220,16 @@ impl DriveView {
             radius: wheel.pitch_radius,
             side: wheel.side,
         };
+        let forces = self.on_pins(row.reactions);
+        let [links, bushings, on_front] = [
+            columns((0..links).map(place)),
+            columns((0..links).map(bushing)),
+            columns(forces.iter().enumerate().map(on_front)),
+        ];
         ChainRow {
-            links: &(0..links).map(place).collect::<Vec<_>>(),
-            bushings: &(0..links).map(bushing).collect::<Vec<_>>(),
-            on_front: &(self.on_pins(row.reactions).iter().enumerate())
-                .map(on_front)
-                .collect::<Vec<_>>(),
+            links: links.each_ref().map(Vec::as_slice),
+            bushings: bushings.each_ref().map(Vec::as_slice),
+            on_front: on_front.each_ref().map(Vec::as_slice),
             pulleys: &wheels().map(pulley).collect::<Vec<_>>(),
             reaches: &wheels().map(|(_, wheel)| wheel.reach).collect::<Vec<_>>(),
         }
@@ -322,4 +326,10 @@ impl DriveView {
         let load = pull.map_or(PullLoad::Torque(0.0), |(_, pull)| pull.load(force));
         Ok((format!("tensioner_{}", sprocket + 1), load))
     }
+}
+
+/// Return the coordinates of these points in one array each.
+fn columns(points: impl Iterator<Item = Vec2>) -> [Vec<f64>; 2] {
+    let (x, y) = points.map(|point| (point.x, point.y)).unzip();
+    [x, y]
 }

@@ -355,6 +355,30 @@ fn a_change_of_the_memory_enters_the_slot_of_its_pair() {
 }
 
 #[test]
+fn pieces_are_the_bushings_of_all_runs_in_their_order() {
+    let (model, _) = compiled(&drive());
+    let mut across_the_end = 0;
+    for seed in 0..40 {
+        let candidates = refreshed(&model, &memory_of(&model), &places(&model, seed));
+        for of_sprocket in &candidates.sprockets {
+            let pieces: Vec<_> = of_sprocket.pieces(model.links).collect();
+            let listed = pieces
+                .iter()
+                .flat_map(|(first, slots)| slots.clone().zip(*first..));
+            assert!(listed.eq(of_sprocket.bushings(model.links)));
+            assert!(
+                pieces
+                    .iter()
+                    .all(|(k, slots)| k + slots.len() <= model.links)
+            );
+            across_the_end += pieces.iter().filter(|(_, slots)| !slots.is_empty()).count();
+            across_the_end -= of_sprocket.runs.len();
+        }
+    }
+    assert!(across_the_end > 0);
+}
+
+#[test]
 fn a_copy_and_a_restored_checkpoint_are_the_same_list() {
     let (model, _) = compiled(&with_tensioner(None));
     let mut places = places(&model, 5);
