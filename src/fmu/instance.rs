@@ -54,7 +54,7 @@ pub struct Instance {
 
 /// State of an instance: of its simulation and of its variables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct State {
+pub struct InstanceState {
     simulation: Vec<u8>,
     phase: Phase,
     offset: f64,
@@ -63,7 +63,7 @@ pub struct State {
     outputs: Vec<f64>,
 }
 
-impl State {
+impl InstanceState {
     /// Return the state as bytes, for [`Self::from_bytes`].
     ///
     /// # Errors
@@ -245,12 +245,12 @@ impl Instance {
     ///
     /// # Errors
     /// If the instance is in error.
-    pub fn state(&self) -> Result<State> {
+    pub fn state(&self) -> Result<InstanceState> {
         if self.phase == Phase::Failed {
             return Err(self.refusal("get its state"));
         }
         self.simulation.check_intact()?;
-        Ok(State {
+        Ok(InstanceState {
             simulation: self.simulation.snapshot().to_bytes()?,
             phase: self.phase,
             offset: self.offset,
@@ -264,7 +264,7 @@ impl Instance {
     ///
     /// # Errors
     /// If the state belongs to another FMU; the instance is then unchanged.
-    pub fn set_state(&mut self, state: &State) -> Result<()> {
+    pub fn set_state(&mut self, state: &InstanceState) -> Result<()> {
         let alike = state.inputs.len() == self.inputs.len()
             && state.set.len() == self.set.len()
             && state.outputs.len() == self.outputs.len();

@@ -11,4 +11,4 @@ mod instance;
 mod resource_uri;
 
 pub use contents::{Contents, InputVariable, OutputVariable};
-pub use instance::{Instance, State};
+pub use instance::{Instance, InstanceState};

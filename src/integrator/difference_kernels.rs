@@ -37,14 +37,14 @@ macro_rules! each_block {
 }
 
 /// Rows of the difference table as SIMD vectors; a row is as long as a padded vector of all components.
-struct Rows<'a, S: Simd> {
+struct DifferenceRows<'a, S: Simd> {
     simd: S,
     table: &'a mut [S::f64s],
     /// SIMD vectors of a row.
     width: usize,
 }
 
-impl<'a, S: Simd> Rows<'a, S> {
+impl<'a, S: Simd> DifferenceRows<'a, S> {
     #[inline(always)]
     fn new(simd: S, table: &'a mut [f64], width: usize) -> Self {
         let all = table.len() / S::F64_LANES;
@@ -97,7 +97,7 @@ impl WithSimd for Predict<'_> {
             beta: &c.beta[..self.order],
             g: &c.g[..self.order],
             newest: self.newest,
-            rows: Rows::<S>::new(simd, self.table, self.predicted.len()),
+            rows: DifferenceRows::<S>::new(simd, self.table, self.predicted.len()),
         };
         let blocks = blocks::<S>(self.dimension);
         let step = Lanes::splat(simd, self.step);
@@ -119,7 +119,7 @@ struct Stars<'a, S: Simd> {
     beta: &'a [f64],
     g: &'a [f64],
     newest: usize,
-    rows: Rows<'a, S>,
+    rows: DifferenceRows<'a, S>,
 }
 
 impl<S: Simd> Stars<'_, S> {
@@ -197,7 +197,7 @@ impl WithSimd for UndoPrediction<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         // Inverse of the partial sums, row by row from the lowest order.
         let inverse = self.coefficients.beta.map(|beta| 1.0 / beta);
-        let mut rows = Rows::<S>::new(simd, self.table, self.width);
+        let mut rows = DifferenceRows::<S>::new(simd, self.table, self.width);
         for b in 0..rows.width {
             let mut here = rows.get(0, b);
             for (i, &inverse) in inverse.iter().enumerate().take(self.order) {
@@ -231,7 +231,7 @@ impl WithSimd for UpdateDifferences<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let order = self.order;
-        let mut rows = Rows::<S>::new(simd, self.table, self.derivative.len());
+        let mut rows = DifferenceRows::<S>::new(simd, self.table, self.derivative.len());
         let blocks = blocks::<S>(self.dimension);
         let derivative = vectors::<S>(self.derivative, blocks);
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);

@@ -8,9 +8,9 @@ use super::constraints::constraint_state::ConstraintState;
 use super::contact::contact_states::ContactStates;
 use super::contact::onset::Onsets;
 use super::description::body::Frame;
-use super::forces::loads::Loads;
+use super::forces::loads::BodyLoads;
 use super::frames::Shift;
-use super::inputs::Inputs;
+use super::inputs::MechanismInputs;
 use super::model::MechanismModel;
 use super::newton::stage::ImplicitCorrector;
 use super::step::StepStart;
@@ -26,7 +26,7 @@ use crate::integrator::OdeSystem;
 pub struct MechanismDynamics {
     pub(crate) model: Arc<MechanismModel>,
     pub(crate) frames: Vec<Frame>,
-    pub(crate) loads: Loads,
+    pub(crate) loads: BodyLoads,
     pub(crate) contacts: ContactStates,
     pub(crate) constraints: ConstraintState,
     pub(crate) accelerations: Vec<f64>,
@@ -39,7 +39,7 @@ pub struct MechanismDynamics {
     pub(crate) sums: MechanismSums,
     assembly: Arc<Assembly>,
     /// Compiled model and the inputs set during the run.
-    pub(super) inputs: Inputs,
+    pub(super) inputs: MechanismInputs,
     pub(super) work: WorkArrays,
 }
 
@@ -62,7 +62,7 @@ impl MechanismDynamics {
         let n = model.coordinates();
         Self {
             frames: model.start_frames(),
-            loads: Loads::new(model.bodies.len(), n),
+            loads: BodyLoads::new(model.bodies.len(), n),
             contacts: ContactStates::new(&model),
             constraints: ConstraintState::new(&model),
             accelerations: vec![0.0; n],
@@ -72,7 +72,7 @@ impl MechanismDynamics {
             onsets: Onsets::default(),
             sums: MechanismSums::default(),
             assembly: Arc::default(),
-            inputs: Inputs::new(&model),
+            inputs: MechanismInputs::new(&model),
             work: WorkArrays {
                 shifted: vec![0.0; 2 * n],
                 inside: vec![0.0; 2 * n],

@@ -51,13 +51,13 @@ impl MechanismInput {
 
 /// Compiled model, and the inputs set since the start of the run.
 #[derive(Debug, Clone)]
-pub(super) struct Inputs {
+pub(super) struct MechanismInputs {
     pub(super) compiled: Arc<MechanismModel>,
     /// At most one input for each driver and each torque.
     pub(super) set: Vec<MechanismInput>,
 }
 
-impl Inputs {
+impl MechanismInputs {
     pub(super) fn new(compiled: &Arc<MechanismModel>) -> Self {
         Self {
             compiled: Arc::clone(compiled),

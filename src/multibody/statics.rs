@@ -5,7 +5,7 @@ use super::contact::compiled_contact::CompiledContact;
 use super::description::driver::Motion;
 use super::description::force_element::ForceKind;
 use super::dynamics::MechanismDynamics;
-use super::forces::loads::Loads;
+use super::forces::loads::BodyLoads;
 use super::model::MechanismModel;
 use super::step::ITERATIONS;
 use crate::error::{Error, Result, check};
@@ -81,7 +81,7 @@ impl MechanismDynamics {
         let weights = weights.filter(|(first, _)| first.is_some());
         let weights = weights.map(|(_, body)| body.mass * model.gravity.norm());
         let mut largest = weights.fold(0.0, f64::max);
-        let mut loads = Loads::new(model.bodies.len(), 0);
+        let mut loads = BodyLoads::new(model.bodies.len(), 0);
         for force in &model.forces {
             for body in [force.a.body, force.b.body] {
                 loads.on[body] = [0.0; 3];

@@ -7,13 +7,13 @@ use pyo3::types::PyDict;
 use crate::error::Error;
 use crate::system::{Recording, Values};
 
-pub(super) type Rows = Vec<[f64; 3]>;
+pub(super) type RecordedRows = Vec<[f64; 3]>;
 
 /// Read rows of three numbers, one row per body.
 pub(super) fn rows(
     field: &str,
     array: Option<&PyReadonlyArray2<'_, f64>>,
-) -> PyResult<Option<Rows>> {
+) -> PyResult<Option<RecordedRows>> {
     let Some(array) = array else { return Ok(None) };
     let array = array.as_array();
     if array.ncols() != 3 {

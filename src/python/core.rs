@@ -6,7 +6,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use super::arrays::{Rows, last_row, recorded, rows, table};
+use super::arrays::{RecordedRows, last_row, recorded, rows, table};
 use super::describe;
 use super::evaluation::{
     assembly, drive_evaluation, mechanism_evaluation, set_contact_memory, statistics,
@@ -27,7 +27,7 @@ use crate::run::{AnySimulation, MechanismSimulation};
 pub(super) struct Core {
     simulation: AnySimulation,
     /// Positions and velocities at construction.
-    start: [Rows; 2],
+    start: [RecordedRows; 2],
     /// Exception raised by a callable of a mechanism.
     raised: Raised,
     /// Warnings already issued; each is issued once.
@@ -323,7 +323,7 @@ impl Core {
 }
 
 impl Core {
-    pub(super) fn of(simulation: AnySimulation, start: [Rows; 2], raised: Raised) -> Self {
+    pub(super) fn of(simulation: AnySimulation, start: [RecordedRows; 2], raised: Raised) -> Self {
         Self {
             simulation,
             start,

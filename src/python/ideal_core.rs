@@ -15,7 +15,7 @@ use super::starts::{DriveScene, interrupted};
 use crate::geometry::Vec2;
 use crate::multibody::from_drive::channels::BushingContact;
 use crate::panics::contained;
-use crate::run::ideal_drive::Rows;
+use crate::run::ideal_drive::IdealRows;
 use crate::run::{AnySimulation, IdealDrive};
 use crate::system::Recording;
 
@@ -102,7 +102,7 @@ pub(super) fn ideal_evaluation<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let found = mechanism_evaluation(py, recording.clone())?;
     let view = simulation.view();
-    let rows = Rows::new(recording, simulation.model());
+    let rows = IdealRows::new(recording, simulation.model());
     let row = rows.row(0);
     let shape = [view.links(), view.sprockets()];
     let contacts: Vec<BushingContact> = (0..view.links())

@@ -14,7 +14,7 @@ pub(super) fn read_toml<'py>(
     text: &str,
 ) -> PyResult<(Bound<'py, PyDict>, Bound<'py, PyDict>)> {
     let document = Document::parse(text).map_err(|error| refusal(text, &error))?;
-    let mut reader = Reader {
+    let mut reader = TomlReader {
         py,
         path: Vec::new(),
         starts: Vec::new(),
@@ -37,13 +37,13 @@ fn refusal(text: &str, error: &toml_edit::TomlError) -> PyErr {
 }
 
 /// Builder of Python values that records the first byte of each.
-struct Reader<'py> {
+struct TomlReader<'py> {
     py: Python<'py>,
     path: Vec<Bound<'py, PyAny>>,
     starts: Vec<(usize, Bound<'py, PyTuple>)>,
 }
 
-impl<'py> Reader<'py> {
+impl<'py> TomlReader<'py> {
     fn table(&mut self, table: &dyn TableLike) -> PyResult<Bound<'py, PyDict>> {
         let found = PyDict::new(self.py);
         for (name, item) in table.iter() {

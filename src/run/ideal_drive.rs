@@ -5,7 +5,7 @@ mod rows;
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
 
-pub(crate) use rows::Rows;
+pub(crate) use rows::IdealRows;
 
 use super::MechanismSimulation;
 use crate::chain::Groups;
@@ -147,7 +147,7 @@ impl IdealDrive {
     /// Return the last row of a channel used by stop conditions; none without rows or of another channel.
     #[must_use]
     pub fn last_row(&self, name: &str) -> Option<Vec<f64>> {
-        Rows::new(self.run.recording()?, self.run.model()).last(&self.view, name)
+        IdealRows::new(self.run.recording()?, self.run.model()).last(&self.view, name)
     }
 
     /// End the recording and return the channels of the drive with all rows so far.
@@ -164,7 +164,7 @@ impl IdealDrive {
 
     /// Return the channels of the drive from a recording of its mechanism.
     fn channels(&self, recording: &Recording) -> Recording {
-        Rows::new(recording, self.run.model()).channels(&self.view, self.groups)
+        IdealRows::new(recording, self.run.model()).channels(&self.view, self.groups)
     }
 
     /// Set another speed, torque or tensioner force of sprocket `sprocket` (from 0) from the present time on, as of a drive with clearance.

@@ -40,7 +40,7 @@ pub(crate) struct Candidates {
 
 /// Successive bushings of the chain that are candidates of one sprocket.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Run {
+pub(crate) struct BushingRun {
     /// Number of the first bushing.
     pub(crate) first: usize,
     /// Number of bushings; a run may continue from the last bushing of the chain to the first one.
@@ -49,7 +49,7 @@ pub(crate) struct Run {
     pub(crate) slot: usize,
 }
 
-impl Run {
+impl BushingRun {
     /// Return the number of bushing `i` of the run in a chain of `links` links.
     ///
     /// A run reaches past the last bushing once at most. The remainder of a division would take longer than all else in these loops.
@@ -63,7 +63,7 @@ impl Run {
 #[derive(Debug, Clone)]
 pub(crate) struct SprocketCandidates {
     /// Runs of successive bushings.
-    pub(crate) runs: Vec<Run>,
+    pub(crate) runs: Vec<BushingRun>,
     /// Number of the tooth gap of each candidate at the last evaluation.
     pub(crate) gap: Vec<u32>,
     /// Direction of that gap in the frame of the sprocket, cosine.
@@ -353,7 +353,7 @@ fn find_runs(
     n: usize,
     near: impl Fn(usize) -> bool,
     there: impl Fn(usize) -> bool,
-    runs: &mut Vec<Run>,
+    runs: &mut Vec<BushingRun>,
 ) -> usize {
     runs.clear();
     let all_there = |from: usize, to: usize| (from..to).all(|k| there(k % n));
@@ -364,7 +364,7 @@ fn find_runs(
             {
                 run.length = k + 1 - run.first;
             }
-            _ => runs.push(Run {
+            _ => runs.push(BushingRun {
                 first: k,
                 length: 1,
                 slot: 0,
@@ -384,7 +384,7 @@ fn find_runs(
 }
 
 /// Assign slots to the runs and return the number of slots.
-fn lay_out(runs: &mut [Run]) -> usize {
+fn lay_out(runs: &mut [BushingRun]) -> usize {
     let mut slots = 0;
     for run in runs {
         run.slot = slots;

@@ -9,7 +9,7 @@ mod tooth_gap;
 mod tooth_jumps;
 
 pub(crate) use candidates::{
-    Candidates, CandidatesCheckpoint, Run, SprocketCandidates, gap_of, surface_constants,
+    BushingRun, Candidates, CandidatesCheckpoint, SprocketCandidates, gap_of, surface_constants,
 };
 pub use impact_memory::{ImpactMemory, OnsetCounts};
 pub use pair_path::{HingePath, ToothPath};

@@ -3,7 +3,7 @@
 //! A bristle is deflected during its contact. After the contact end its deflection has no effect. Before the next step the deflection and
 //! its history in the integrator are set to zero, so that no discontinuity remains.
 
-use super::{Dynamics, Losses, Pair};
+use super::{ContactId, Dynamics, Losses};
 use crate::chain::model::Model;
 use crate::force_law::LuGre;
 use crate::integrator::Adams;
@@ -156,12 +156,12 @@ impl Dynamics {
     }
 
     /// Return the coordinate of a pair's bristle; `None` for a pair without bristle.
-    fn bristle_of(&self, pair: Pair) -> Option<usize> {
+    fn bristle_of(&self, pair: ContactId) -> Option<usize> {
         let places = &self.model.bristles;
         let (range, number) = match pair {
-            Pair::Hinge(k) => (&places.hinges, k),
-            Pair::Roller(k) => (&places.rollers, k),
-            Pair::Tooth(pair) => (&places.teeth, pair),
+            ContactId::Hinge(k) => (&places.hinges, k),
+            ContactId::Roller(k) => (&places.rollers, k),
+            ContactId::Tooth(pair) => (&places.teeth, pair),
         };
         (number < range.len()).then(|| range.start + number)
     }

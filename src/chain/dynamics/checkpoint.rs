@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Dynamics, Inputs, Pair, Powers};
+use super::{ContactId, Dynamics, Inputs, Powers};
 use crate::chain::contact::{CandidatesCheckpoint, ImpactMemory, ToothJumps};
 use crate::chain::model::Input;
 use crate::chain::rhs::Watch;
@@ -22,7 +22,7 @@ pub struct Checkpoint {
     unseen_touches: u64,
     keeps_energy: bool,
     quadrature: EnergyQuadrature<Powers>,
-    parted: Vec<Pair>,
+    parted: Vec<ContactId>,
     hinge_past_range: Option<String>,
     tooth_past_range: Option<String>,
     tooth_jumps: ToothJumps,
@@ -59,10 +59,10 @@ impl Dynamics {
         dynamics.inputs.set.clone_from(&checkpoint.inputs);
         dynamics.use_instructions(self.instructions());
         dynamics.quadrature.refine(self.quadrature.fineness());
-        let there = |pair: &Pair| match *pair {
-            Pair::Hinge(k) => k < dynamics.memory.hinge_impact_velocity().len(),
-            Pair::Roller(k) => k < dynamics.memory.roller_impact_velocity().len(),
-            Pair::Tooth(pair) => pair < dynamics.memory.tooth_impact_velocity.len(),
+        let there = |pair: &ContactId| match *pair {
+            ContactId::Hinge(k) => k < dynamics.memory.hinge_impact_velocity().len(),
+            ContactId::Roller(k) => k < dynamics.memory.roller_impact_velocity().len(),
+            ContactId::Tooth(pair) => pair < dynamics.memory.tooth_impact_velocity.len(),
         };
         let links = self.model.links;
         let mut surfaces = checkpoint.memory.tooth_surface.iter().enumerate();

@@ -13,7 +13,7 @@ use crate::integrator::{Adams, OdeSystem, Step};
 
 /// Contact pair: hinge, bushing and roller, or bushing and sprocket (sprocket · links + bushing).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum Pair {
+pub(super) enum ContactId {
     Hinge(usize),
     Roller(usize),
     Tooth(usize),
@@ -23,7 +23,7 @@ pub(super) enum Pair {
 #[derive(Debug, Clone)]
 pub(super) struct ContactEvents {
     /// Pairs that ended their contact in the last step; their memory remains until the next step, for reports inside the last one.
-    pub(super) parted: Vec<Pair>,
+    pub(super) parted: Vec<ContactId>,
     /// Whether event screening found a pair that may have touched or separated inside the last step.
     pub(super) event_possible: bool,
     /// Upper bound on the speeds of bushings relative to teeth at the end of the last step \[m/s\].
@@ -63,9 +63,9 @@ impl Dynamics {
         let mut parted = (Vec::new(), Vec::new());
         for pair in &self.events.parted {
             match *pair {
-                Pair::Hinge(k) => parted.0.push(k),
-                Pair::Tooth(pair) => parted.1.push(pair),
-                Pair::Roller(_) => {}
+                ContactId::Hinge(k) => parted.0.push(k),
+                ContactId::Tooth(pair) => parted.1.push(pair),
+                ContactId::Roller(_) => {}
             }
         }
         parted
@@ -74,8 +74,8 @@ impl Dynamics {
     /// Return the bushings whose contact with their roller ended in the last step.
     #[must_use]
     pub fn parted_rollers(&self) -> Vec<usize> {
-        let roller = |pair: &Pair| match *pair {
-            Pair::Roller(k) => Some(k),
+        let roller = |pair: &ContactId| match *pair {
+            ContactId::Roller(k) => Some(k),
             _ => None,
         };
         self.events.parted.iter().filter_map(roller).collect()
@@ -166,9 +166,9 @@ impl Dynamics {
     pub fn forget_ended_contacts(&mut self) {
         for pair in self.events.parted.drain(..) {
             match pair {
-                Pair::Hinge(k) => self.memory.end_hinge(k),
-                Pair::Roller(k) => self.memory.end_roller(k),
-                Pair::Tooth(pair) => {
+                ContactId::Hinge(k) => self.memory.end_hinge(k),
+                ContactId::Roller(k) => self.memory.end_roller(k),
+                ContactId::Tooth(pair) => {
                     self.memory.end_tooth(pair);
                     let (s, k) = (pair / self.model.links, pair % self.model.links);
                     self.kernels
@@ -237,7 +237,7 @@ impl Dynamics {
                 let (_, rate) = onset_in_step(|t| path.at(t), step.start, step.end);
                 self.memory.begin_hinge(k, rate);
             } else {
-                self.events.parted.push(Pair::Hinge(k));
+                self.events.parted.push(ContactId::Hinge(k));
             }
         }
     }
@@ -251,7 +251,7 @@ impl Dynamics {
                 continue;
             }
             if !touching {
-                self.events.parted.push(Pair::Roller(k));
+                self.events.parted.push(ContactId::Roller(k));
             } else if let Some(path) = RollerPath::new(model, adams, k) {
                 let (_, rate) = onset_in_step(|t| path.at(t), step.start, step.end);
                 self.memory.begin_roller(k, rate);
@@ -278,7 +278,7 @@ impl Dynamics {
                 memory.begin_tooth(pair, rate, path.at(t).surface);
                 begun.push((s, k));
             } else {
-                self.events.parted.push(Pair::Tooth(pair));
+                self.events.parted.push(ContactId::Tooth(pair));
             }
         });
         for (s, k) in begun.drain(..) {

@@ -3,7 +3,9 @@
 use super::{Bristles, Dynamics, Needs, Powers};
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
-use crate::chain::report::{Accelerations, HingeContacts, Reader, RollerContacts, ToothContacts};
+use crate::chain::report::{
+    Accelerations, HingeContacts, ReportKernels, RollerContacts, ToothContacts,
+};
 
 /// Results of the last evaluation for a report.
 #[derive(Debug, Clone)]
@@ -59,7 +61,7 @@ impl Dynamics {
 
     /// Evaluate the reader's state with a new candidate list, valid for any positions of the bodies.
     fn evaluate_state(&mut self, t: f64) -> Powers {
-        let Reader {
+        let ReportKernels {
             kernels,
             state,
             accelerations,
@@ -93,7 +95,7 @@ impl Dynamics {
             return;
         }
         self.evaluated.bristles.read(&self.model, y);
-        let Reader {
+        let ReportKernels {
             kernels,
             accelerations,
             ..
@@ -145,7 +147,7 @@ impl Dynamics {
 
     /// Copy the tooth contacts from the last evaluation of the reader.
     fn read_teeth(&mut self) {
-        let Reader {
+        let ReportKernels {
             kernels, readings, ..
         } = &mut *self.reader;
         self.evaluated.teeth.clear();

@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 pub use bristles::{Bristles, Stored};
 pub use checkpoint::Checkpoint;
-use contact_events::{ContactEvents, Pair};
+use contact_events::{ContactEvents, ContactId};
 pub use evaluation::Evaluation;
 use inputs::Inputs;
 use law_ranges::PastRanges;
@@ -39,7 +39,7 @@ pub(crate) use start_checks::check_start;
 
 use crate::chain::contact::ImpactMemory;
 use crate::chain::model::Model;
-use crate::chain::report::Reader;
+use crate::chain::report::ReportKernels;
 use crate::chain::rhs::Kernels;
 use crate::integrator::OdeSystem;
 use crate::math::simd::{InstructionSet, padded};
@@ -58,7 +58,7 @@ pub struct Dynamics {
     pub evaluated: Evaluation,
     kernels: Kernels,
     /// Kernels for reports, separate from those of the steps.
-    reader: Box<Reader>,
+    reader: Box<ReportKernels>,
     keeps_energy: bool,
     /// Powers at the last evaluation of the right-hand side, with energy metering on.
     powers: Powers,
@@ -88,7 +88,7 @@ impl Dynamics {
             ),
             evaluated: Evaluation::new(&model),
             kernels: Kernels::new(&model),
-            reader: Box::new(Reader::new(&model)),
+            reader: Box::new(ReportKernels::new(&model)),
             keeps_energy: false,
             powers: Powers::default(),
             quadrature: EnergyQuadrature::new(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Dynamics, Pair};
+use super::{ContactId, Dynamics};
 use crate::chain::model::Model;
 
 impl Dynamics {
@@ -20,7 +20,7 @@ impl Dynamics {
                 self.memory.begin_hinge(k, self.evaluated.hinges.rate[k]);
             } else if !touching && speed > 0.0 {
                 self.memory.end_hinge(k);
-                self.forget_onset(Pair::Hinge(k), speed);
+                self.forget_onset(ContactId::Hinge(k), speed);
             }
         }
         for k in 0..self.model.roller_count() {
@@ -30,7 +30,7 @@ impl Dynamics {
                 self.memory.begin_roller(k, self.evaluated.rollers.rate[k]);
             } else if !touching && speed > 0.0 {
                 self.memory.end_roller(k);
-                self.forget_onset(Pair::Roller(k), speed);
+                self.forget_onset(ContactId::Roller(k), speed);
             }
         }
         for pair in 0..self.memory.tooth_impact_velocity.len() {
@@ -44,7 +44,7 @@ impl Dynamics {
                 self.memory.begin_tooth(pair, rate, surface);
             } else if !touching && speed > 0.0 {
                 self.memory.end_tooth(pair);
-                self.forget_onset(Pair::Tooth(pair), speed);
+                self.forget_onset(ContactId::Tooth(pair), speed);
             }
         }
         self.events.parted.clear();
@@ -57,7 +57,7 @@ impl Dynamics {
     }
 
     /// Remove the onset of an open pair from the counts, unless the pair ended in the last step: that onset was before the step.
-    fn forget_onset(&mut self, pair: Pair, speed: f64) {
+    fn forget_onset(&mut self, pair: ContactId, speed: f64) {
         if !self.events.parted.contains(&pair) {
             self.memory.uncount(speed);
         }

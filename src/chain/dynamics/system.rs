@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::energy::prescribed_energy;
 use super::{Checkpoint, Dynamics, Losses, Powers};
-use crate::chain::model::{ContactLaw, Model};
+use crate::chain::model::{CompiledContactLaw, Model};
 use crate::chain::report::{self, Groups, HINGES, ROLLERS};
 use crate::error::Result;
 use crate::force_law::{Friction, LuGre, Regions};
@@ -222,7 +222,7 @@ impl System for Dynamics {
 fn identity(model: &Model) -> Vec<Identity> {
     const DRIVE: &str = "make the simulation with the drive of the state";
     const LAWS: &str = "make the simulation with the laws of the state";
-    let law = |law: &ContactLaw, friction: Option<Friction>, bristles: Option<LuGre>| {
+    let law = |law: &CompiledContactLaw, friction: Option<Friction>, bristles: Option<LuGre>| {
         let damping = if law.lambda > 0.0 {
             "damped"
         } else {

@@ -4,7 +4,7 @@ use super::rail::place_rail;
 use super::range_notes::range_notes;
 use super::sprocket::{SprocketModel, place_sprocket};
 use super::{
-    ChainBodies, ContactLaw, EndKind, ForceLaws, HingeModel, IMMOVABLE, Model, OpenEnds,
+    ChainBodies, CompiledContactLaw, EndKind, ForceLaws, HingeModel, IMMOVABLE, Model, OpenEnds,
     RollerModel, ToothModel,
 };
 use crate::drive::{ChainEnd, Drive, Link};
@@ -38,7 +38,7 @@ impl Model {
         let sprockets = place_wheels(drive, start, &mut coordinates)?;
 
         let pairs = SurfacePairs::of(drive, &sprockets);
-        let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
+        let ready = |law: ForceLaw, pairs: &[SurfacePair]| CompiledContactLaw {
             elastic: law.elastic,
             pairs: PairTable::prepare(law.elastic, pairs),
             lambda: law.damping.lambda(chain.material.restitution),

@@ -88,7 +88,7 @@ pub struct HingeModel {
     /// Radius of the pins \[m\].
     pub pin_radius: f64,
     /// Contact law: one pair of surfaces for all.
-    pub law: ContactLaw,
+    pub law: CompiledContactLaw,
     /// Friction, also of bushings in rollers; `None`: no friction.
     pub friction: Option<Friction>,
     /// Bristle (`LuGre`) friction, instead of a function of the sliding velocity; `None`: no bristles.
@@ -125,7 +125,7 @@ pub struct ToothModel {
     /// Outside radius of the bushings or rollers in contact with the teeth \[m\].
     pub contact_radius: f64,
     /// Contact law: pairs of surfaces sprocket by sprocket, see [`Model::tooth_pair`].
-    pub law: ContactLaw,
+    pub law: CompiledContactLaw,
     /// Friction; `None`: no friction.
     pub friction: Option<Friction>,
     /// Bristle (`LuGre`) friction; `None`: no bristles.
@@ -142,7 +142,7 @@ impl ToothModel {
 
 /// Contact law with constants for one group of surface pairs.
 #[derive(Debug, Clone)]
-pub struct ContactLaw {
+pub struct CompiledContactLaw {
     /// Elastic law.
     pub elastic: Elastic,
     /// Constants of the elastic law for each pair.
@@ -167,7 +167,7 @@ pub struct RollerModel {
     /// Outside radius of the bushings \[m\].
     pub bushing_radius: f64,
     /// Contact law of bushings in the bores of the rollers: one pair of surfaces for all.
-    pub law: ContactLaw,
+    pub law: CompiledContactLaw,
 }
 
 impl Model {

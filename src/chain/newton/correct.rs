@@ -9,13 +9,13 @@ use crate::chain::model::Model;
 use crate::math::simd::{EntriesMut, Lanes, Octet, PartialSums, parts, put_part, read, write};
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
-struct Residual<'a> {
+struct ChainResidual<'a> {
     columns: &'a [Border],
     /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
     alone: &'a [f64],
 }
 
-impl<S: Simd> RightHand<S> for Residual<'_> {
+impl<S: Simd> RightHand<S> for ChainResidual<'_> {
     #[inline(always)]
     fn at(&self, simd: S, group: &LinkGroup, (number, part): (usize, usize)) -> [Lanes<S>; 3] {
         let mass = group.mass.at(simd, part);
@@ -82,7 +82,7 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
             matrix.corner.solve(of_border);
         }
         let swept = swept || !rollers.is_empty();
-        let right = Residual {
+        let right = ChainResidual {
             columns: &matrix.columns,
             alone: if swept { &matrix.alone } else { &[] },
         };

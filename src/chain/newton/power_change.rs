@@ -84,7 +84,7 @@ impl WithSimd for PowerChange<'_> {
         }
         let mut of_teeth = 0.0;
         for (s, load) in self.loads.iter_mut().enumerate() {
-            let teeth = Teeth {
+            let teeth = ToothPowers {
                 gamma,
                 slopes: &slopes.teeth[s].normal,
                 candidates: &self.candidates[s],
@@ -174,7 +174,7 @@ fn power_by<S: Simd>(
 }
 
 /// Candidates of one sprocket.
-struct Teeth<'a> {
+struct ToothPowers<'a> {
     gamma: f64,
     slopes: &'a [SlopeGroup],
     candidates: &'a SprocketCandidates,
@@ -185,7 +185,7 @@ struct Teeth<'a> {
     correction: &'a [Numbers; 2],
 }
 
-impl Teeth<'_> {
+impl ToothPowers<'_> {
     /// Return the changes of the power dissipated, the force on the sprocket and its moment for a sprocket with these corrections of its
     /// velocities.
     #[inline(always)]

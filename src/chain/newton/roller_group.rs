@@ -193,12 +193,12 @@ impl<S: Simd> OnTeeth<'_, S> {
 }
 
 /// Residuals of the rollers times mass and moment of inertia.
-pub(super) struct Residual<'a, S: Simd> {
+pub(super) struct RollerResidual<'a, S: Simd> {
     pub(super) inertias: [Lanes<S>; 2],
     pub(super) axes: [Entries<'a, S>; 3],
 }
 
-impl<S: Simd> Residual<'_, S> {
+impl<S: Simd> RollerResidual<'_, S> {
     /// Return those of vector `i`; without `FRICTION`, that of θ is zero.
     #[inline(always)]
     pub(super) fn at<const FRICTION: bool>(&self, i: usize) -> [Lanes<S>; 3] {

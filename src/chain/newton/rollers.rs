@@ -13,7 +13,7 @@ use super::border::Corner;
 use super::bores::{BoreFriction, bore};
 use super::contacts::BASE;
 use super::links::{Border, LinkTerms};
-use super::roller_group::{OnTeeth, Residual, RollerGroup};
+use super::roller_group::{OnTeeth, RollerGroup, RollerResidual};
 use super::teeth::ToothTerms;
 use crate::chain::model::{Model, RollerModel};
 use crate::chain::rhs::slopes::ContactSlopes;
@@ -217,7 +217,7 @@ impl RollerTerms {
         let zero = Lanes::splat(simd, 0.0);
         let n = right.len() / 3;
         let count = parts::<S>().len();
-        let right = Residual {
+        let right = RollerResidual {
             inertias: self.inertias(simd),
             axes: [
                 Entries::<S>::of(simd, &right[..n]),

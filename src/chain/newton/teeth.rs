@@ -4,7 +4,7 @@
 use pulp::Simd;
 
 use super::contacts::{BASE, scaled};
-use super::tooth_motion::{BorderMotion, MOST, Tooth};
+use super::tooth_motion::{BorderMotion, MOST, ToothMotion};
 use crate::chain::contact::SprocketCandidates;
 use crate::chain::rhs::pose::SprocketPose;
 use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
@@ -220,7 +220,7 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
         force: Lanes<S>,
         (slopes, part): (&SlopeGroup, usize),
         friction: Option<Lanes<S>>,
-    ) -> Tooth<S> {
+    ) -> ToothMotion<S> {
         let simd = force.simd();
         let splat = |value| Lanes::splat(simd, value);
         let [alpha, mut eta] = scaled(self.gamma, simd, slopes, part);
@@ -230,7 +230,7 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
             eta = eta + tau;
         }
         let [center_x, center_y] = self.pose.center;
-        Tooth {
+        ToothMotion {
             alpha,
             eta,
             tau,
@@ -256,7 +256,11 @@ struct TermsOfRun<'a> {
 impl TermsOfRun<'_> {
     /// Add the stiffness of one vector, pack and part, to the bushings.
     #[inline(always)]
-    fn hold<S: Simd, const FRICTION: bool>(&mut self, place: (usize, usize), tooth: &Tooth<S>) {
+    fn hold<S: Simd, const FRICTION: bool>(
+        &mut self,
+        place: (usize, usize),
+        tooth: &ToothMotion<S>,
+    ) {
         let stiff = tooth.stiff();
         for axis in 0..3 {
             add(self.tooth_stiffness[axis], place, stiff[axis]);
@@ -275,7 +279,7 @@ impl TermsOfRun<'_> {
     fn couple<S: Simd, const FRICTION: bool>(
         &mut self,
         place: (usize, usize),
-        tooth: &Tooth<S>,
+        tooth: &ToothMotion<S>,
         motions: &[BorderMotion],
         corner: &mut [[PartialSums; MOST]; MOST],
     ) {

@@ -17,7 +17,7 @@ pub(super) enum BorderMotion {
 pub(super) const MOST: usize = 3;
 
 /// Geometry of one SIMD vector of bushings on teeth.
-pub(super) struct Tooth<S: Simd> {
+pub(super) struct ToothMotion<S: Simd> {
     /// Stiffness along the normal, and across it with friction, as in [`contacts`](super::contacts).
     pub(super) alpha: Lanes<S>,
     pub(super) eta: Lanes<S>,
@@ -46,7 +46,7 @@ pub(super) struct Moved<S: Simd> {
     pub(super) slides: Lanes<S>,
 }
 
-impl<S: Simd> Tooth<S> {
+impl<S: Simd> ToothMotion<S> {
     /// Return the stiffness at the bushing, α n n^T + η t t^T: xx, yy, xy.
     #[inline(always)]
     pub(super) fn stiff(&self) -> [Lanes<S>; 3] {

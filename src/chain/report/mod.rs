@@ -27,7 +27,7 @@ pub use teeth::ToothContacts;
 
 /// Kernels for reports, and their scratch arrays.
 #[derive(Debug, Clone)]
-pub(crate) struct Reader {
+pub(crate) struct ReportKernels {
     pub(crate) kernels: Kernels,
     /// State of an evaluation without a given state.
     pub(crate) state: Vec<f64>,
@@ -37,7 +37,7 @@ pub(crate) struct Reader {
     pub(crate) readings: ToothReadings,
 }
 
-impl Reader {
+impl ReportKernels {
     pub(crate) fn new(model: &Model) -> Self {
         Self {
             kernels: Kernels::new(model),

@@ -12,7 +12,7 @@ use crate::math::simd::{
     Lanes, Pack, WIDTH, lane_numbers, load, packs, packs_mut, partial_load, sin_cos, vectors,
     vectors_mut,
 };
-use ends::{Arms, End, Links, behind_last, last_links};
+use ends::{Arms, LinkEnd, Links, behind_last, last_links};
 use hinges::Hinges;
 
 pub(crate) use hinges::Joints;
@@ -96,8 +96,8 @@ impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, const EXTRA
             let last_lane = lane_numbers(simd).greater(splat(WIDTH as f64 - 1.5));
             let here = if whole > 0 { fronts.at(simd, 0) } else { last };
             let [arm, cos, sin] = front_arms.at(simd, 0);
-            let mut front = End::new(here, [arm, cos, sin]);
-            let mut rear = End::new(here, [-arm, cos, sin]);
+            let mut front = LinkEnd::new(here, [arm, cos, sin]);
+            let mut rear = LinkEnd::new(here, [-arm, cos, sin]);
             for i in 0..whole {
                 let next = if i + 1 < whole {
                     fronts.at(simd, i + 1)
@@ -105,24 +105,24 @@ impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, const EXTRA
                     last
                 };
                 let [arm, cos, sin] = front_arms.at(simd, i + 1);
-                let next_rear = End::new(next, [-arm, cos, sin]);
-                hinges.evaluate(i, &front, &End::moved_on(&rear, &next_rear, last_lane));
-                front = End::new(next, [arm, cos, sin]);
+                let next_rear = LinkEnd::new(next, [-arm, cos, sin]);
+                hinges.evaluate(i, &front, &LinkEnd::moved_on(&rear, &next_rear, last_lane));
+                front = LinkEnd::new(next, [arm, cos, sin]);
                 rear = next_rear;
             }
             let behind = behind_last(links, last, whole * S::F64_LANES);
-            let rear = End::new(behind, rear_arms.at(simd, whole));
+            let rear = LinkEnd::new(behind, rear_arms.at(simd, whole));
             hinges.evaluate(whole, &front, &rear);
         } else {
             let rears = Links::<S>::of(links, 1, whole);
             for i in 0..whole {
-                let front = End::new(fronts.at(simd, i), front_arms.at(simd, i));
-                let rear = End::new(rears.at(simd, i), rear_arms.at(simd, i));
+                let front = LinkEnd::new(fronts.at(simd, i), front_arms.at(simd, i));
+                let rear = LinkEnd::new(rears.at(simd, i), rear_arms.at(simd, i));
                 hinges.evaluate(i, &front, &rear);
             }
-            let front = End::new(last, front_arms.at(simd, whole));
+            let front = LinkEnd::new(last, front_arms.at(simd, whole));
             let behind = behind_last(links, last, whole * S::F64_LANES);
-            let rear = End::new(behind, rear_arms.at(simd, whole));
+            let rear = LinkEnd::new(behind, rear_arms.at(simd, whole));
             hinges.evaluate(whole, &front, &rear);
         }
 

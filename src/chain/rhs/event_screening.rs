@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Kernels;
 use super::layout::ChainArrays;
-use crate::chain::contact::{Candidates, Run, SprocketCandidates};
+use crate::chain::contact::{BushingRun, Candidates, SprocketCandidates};
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 use crate::math::simd::{
@@ -67,7 +67,7 @@ pub(crate) struct Watch {
     /// Candidates of each sprocket, slot by slot.
     pub(super) teeth: Vec<StepEndStates>,
     /// Bushings of the slots: runs of each sprocket.
-    runs: Vec<Vec<Run>>,
+    runs: Vec<Vec<BushingRun>>,
     /// Number of the list of candidates with these slots.
     list: u64,
 }
@@ -93,7 +93,7 @@ impl Watch {
 
     /// Return whether this state can replace `other`, the state of a chain of `links`.
     pub(crate) fn is_like(&self, other: &Self, links: usize) -> bool {
-        let there = |run: &Run, slots: usize| {
+        let there = |run: &BushingRun, slots: usize| {
             run.first < links
                 && run.length <= links
                 && run

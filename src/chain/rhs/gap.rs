@@ -12,14 +12,14 @@ use crate::math::simd::{Lanes, Mask};
 /// Dimensions of a sprocket's teeth, with the law constants of every surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ToothConstants {
-    pub(crate) form: Form,
+    pub(crate) form: GapForm,
     /// Whether a contact keeps the stiffness of its onset.
     pub(crate) keeps_stiffness: bool,
 }
 
 /// Tooth forms with their own instances of the loops.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Form {
+pub(crate) enum GapForm {
     /// Four surfaces of an undamaged ANSI tooth.
     Ansi(AnsiGap),
     /// Any surfaces, including damaged and eccentric teeth.
@@ -32,8 +32,8 @@ impl ToothConstants {
         let sprocket = &model.sprockets[s];
         let plain = sprocket.offset == Vec2::zeros() && sprocket.profile.damaged().next().is_none();
         let form = match sprocket.profile.ansi_curves().filter(|_| plain) {
-            Some(curves) => Form::Ansi(AnsiGap::new(model, s, curves)),
-            None => Form::Table(SurfaceTable::new(model, s)),
+            Some(curves) => GapForm::Ansi(AnsiGap::new(model, s, curves)),
+            None => GapForm::Table(SurfaceTable::new(model, s)),
         };
         Self {
             form,

@@ -4,7 +4,7 @@ use super::bristles::{BristleState, Bristling, ContactKind};
 use super::chain::{
     ChainFound, EvaluateHinges, EvaluateRollers, HingeFriction, Joints, Lubricant, RepeatBushings,
 };
-use super::gap::{Form, ToothConstants};
+use super::gap::{GapForm, ToothConstants};
 use super::slopes::Slopes;
 use super::teeth::{EvaluateTeeth, TeethFound, ToothFriction};
 use super::{Kernels, on_teeth};
@@ -242,14 +242,14 @@ impl Kernels {
         }
         let bristled = model.teeth.bristles.is_some();
         match form {
-            Form::Ansi(gap) if bristled => touch!(gap, true, true, true),
-            Form::Ansi(gap) if friction.is_some() => touch!(gap, true, true, false),
-            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),
-            Form::Ansi(gap) => touch!(gap, false, false, false),
-            Form::Table(gap) if bristled => touch!(gap, true, true, true),
-            Form::Table(gap) if friction.is_some() => touch!(gap, true, true, false),
-            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),
-            Form::Table(gap) => touch!(gap, false, false, false),
+            GapForm::Ansi(gap) if bristled => touch!(gap, true, true, true),
+            GapForm::Ansi(gap) if friction.is_some() => touch!(gap, true, true, false),
+            GapForm::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),
+            GapForm::Ansi(gap) => touch!(gap, false, false, false),
+            GapForm::Table(gap) if bristled => touch!(gap, true, true, true),
+            GapForm::Table(gap) if friction.is_some() => touch!(gap, true, true, false),
+            GapForm::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),
+            GapForm::Table(gap) => touch!(gap, false, false, false),
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::gap::{Form, Gap, GapConstants};
+use super::gap::{Gap, GapConstants, GapForm};
 use super::layout::ChainArrays;
 use super::pose::SprocketPose;
 use super::{Kernels, on_teeth};
@@ -206,8 +206,8 @@ impl Kernels {
             };
         }
         match &self.teeth[self.kind[s]].form {
-            Form::Ansi(gap) => read!(gap),
-            Form::Table(gap) => read!(gap),
+            GapForm::Ansi(gap) => read!(gap),
+            GapForm::Table(gap) => read!(gap),
         }
         candidates
     }

@@ -12,7 +12,7 @@ const NOWHERE: f64 = -1.0;
 
 /// Constants of one surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Row {
+struct SurfaceRow {
     /// Boundary to the surface before: points with a coordinate of at least `from` along `tangent` are past it \[m\].
     tangent: [f64; 2],
     from: f64,
@@ -28,7 +28,7 @@ struct Row {
     law: [f64; 2],
 }
 
-impl Row {
+impl SurfaceRow {
     /// Return the row of a surface; `before` is the surface before it on the flank.
     fn new(
         piece: &SurfacePiece,
@@ -72,7 +72,7 @@ struct Damaged {
 /// Surfaces of a sprocket's teeth, by their numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SurfaceTable {
-    rows: Vec<Row>,
+    rows: Vec<SurfaceRow>,
     /// Index of the last surface of undamaged teeth.
     last: usize,
     damaged: Vec<Damaged>,
@@ -107,7 +107,7 @@ impl SurfaceTable {
         let surfaces = profile.surfaces();
         let rows = (0..).zip(surfaces).map(|(number, piece)| {
             let before = usize::from(number).checked_sub(1).map(|i| &surfaces[i]);
-            Row::new(piece, before, radius, law(Surface(number)))
+            SurfaceRow::new(piece, before, radius, law(Surface(number)))
         });
         let gap = |number: u32| {
             let (sin, cos) = (f64::from(number % profile.teeth) * profile.gap_angle()).sin_cos();

@@ -9,7 +9,7 @@ use super::gap::{Gap, GapConstants, InGap};
 use super::layout::{ChainArrays, LinkConstants};
 use super::pose::SprocketPose;
 use super::slopes::{ContactSlopes, group_of};
-use crate::chain::contact::{Run, SprocketCandidates};
+use crate::chain::contact::{BushingRun, SprocketCandidates};
 use crate::chain::model::SprocketModel;
 use crate::force_law::{
     ContactLane, ElasticLaw, Form, Friction, RegularizedFriction, RestitutionDamping,
@@ -112,7 +112,7 @@ impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: 
             ));
         }
         for number in 0..self.candidates.runs.len() {
-            let Run { length, slot, .. } = self.candidates.runs[number];
+            let BushingRun { length, slot, .. } = self.candidates.runs[number];
             let mut run = RunOfBushings::<S>::of::<FRICTION>(
                 number,
                 self.links,

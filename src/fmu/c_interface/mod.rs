@@ -16,7 +16,7 @@ use std::sync::Once;
 
 use logger::{Logger, Logger2, Logger3};
 
-use super::{Contents, Instance, State};
+use super::{Contents, Instance, InstanceState};
 use crate::error::{Error, Result};
 use crate::panics::{contained, keep_places};
 
@@ -258,13 +258,13 @@ unsafe fn get_state(handle: *mut c_void, state: *mut *mut c_void) -> Status {
 ///
 /// # Safety
 /// `state` is null or writable; `*state` is null or a state of this library that was not freed.
-unsafe fn store(state: *mut *mut c_void, found: State) -> Result<()> {
+unsafe fn store(state: *mut *mut c_void, found: InstanceState) -> Result<()> {
     // SAFETY: by the condition of this function.
     let Some(handle) = (unsafe { state.as_mut() }) else {
         return Err(null("state"));
     };
     // SAFETY: by the condition of this function.
-    if let Some(old) = unsafe { handle.cast::<State>().as_mut() } {
+    if let Some(old) = unsafe { handle.cast::<InstanceState>().as_mut() } {
         *old = found;
     } else {
         *handle = Box::into_raw(Box::new(found)).cast();
@@ -276,9 +276,9 @@ unsafe fn store(state: *mut *mut c_void, found: State) -> Result<()> {
 ///
 /// # Safety
 /// `state` is null or a state of this library that is not freed while it is used.
-unsafe fn state_of<'a>(state: *mut c_void) -> Result<&'a State> {
+unsafe fn state_of<'a>(state: *mut c_void) -> Result<&'a InstanceState> {
     // SAFETY: by the condition of this function.
-    unsafe { state.cast::<State>().as_ref() }.ok_or_else(|| null("state"))
+    unsafe { state.cast::<InstanceState>().as_ref() }.ok_or_else(|| null("state"))
 }
 
 /// Continue from a state.
@@ -300,7 +300,7 @@ unsafe fn free_state(_: *mut c_void, state: *mut *mut c_void) -> Status {
         if let Some(handle) = state.as_mut()
             && !handle.is_null()
         {
-            drop(Box::from_raw(handle.cast::<State>()));
+            drop(Box::from_raw(handle.cast::<InstanceState>()));
             *handle = std::ptr::null_mut();
         }
     }
@@ -358,7 +358,7 @@ unsafe fn deserialize(
     // SAFETY: by the condition of this function.
     unsafe {
         call(handle, |_| {
-            store(state, State::from_bytes(array(bytes, size)?)?)
+            store(state, InstanceState::from_bytes(array(bytes, size)?)?)
         })
     }
 }

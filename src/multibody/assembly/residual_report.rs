@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::multibody::constraints::constraint_state::ConstraintState;
-use crate::multibody::constraints::equation::{Equation, Row};
+use crate::multibody::constraints::equation::{Equation, EquationRow};
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
 
@@ -27,7 +27,7 @@ impl ConstraintState {
 
     /// Return the residuals of velocities by joint as text.
     fn rates(&self, model: &MechanismModel, frames: &[Frame]) -> String {
-        let rate = |equation: &Equation, row: &Row| equation.residual_rate(row, frames);
+        let rate = |equation: &Equation, row: &EquationRow| equation.residual_rate(row, frames);
         self.residuals(model, rate, ["m/s", "rad/s"])
     }
 
@@ -35,7 +35,7 @@ impl ConstraintState {
     fn residuals(
         &self,
         model: &MechanismModel,
-        of: impl Fn(&Equation, &Row) -> f64,
+        of: impl Fn(&Equation, &EquationRow) -> f64,
         unit: [&str; 2],
     ) -> String {
         let mut found: Vec<(f64, String)> = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::equation::Row;
+use super::equation::EquationRow;
 use super::jacobian::{Group, Jacobian};
 use super::pin_friction::PinTorques;
 use super::sparse_kkt::SparseKkt;
@@ -15,7 +15,7 @@ const FAINT: f64 = 0.1;
 /// Rows, factors and multipliers of all constraints at one state.
 #[derive(Debug, Clone)]
 pub(crate) struct ConstraintState {
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<EquationRow>,
     jacobian: Arc<Jacobian>,
     /// Factors of the constraints; `None` without constraints.
     pub(crate) kkt: Option<SparseKkt>,

@@ -37,7 +37,7 @@ pub(crate) struct Equation {
 
 /// An equation at one state: c, its row of `Φ_q` for up to three bodies, `∂c/∂t` and γ of `Φ_q` q'' = γ.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Row {
+pub(crate) struct EquationRow {
     pub(crate) value: f64,
     pub(crate) bodies: [usize; 3],
     pub(crate) jacobian: [[f64; 3]; 3],
@@ -45,7 +45,7 @@ pub(crate) struct Row {
     pub(crate) gamma: f64,
 }
 
-impl Row {
+impl EquationRow {
     /// Return dc/dt for the velocities of the bodies.
     pub(crate) fn rate(&self, frames: &[Frame]) -> f64 {
         let parts = self.bodies.iter().zip(&self.jacobian);
@@ -66,7 +66,7 @@ impl Equation {
     ///
     /// The equation of a distance L at the actual distance d is (d² - L²) / 2L, which is smooth where the points coincide. The
     /// residual reported is d - L.
-    pub(crate) fn residual(&self, row: &Row) -> f64 {
+    pub(crate) fn residual(&self, row: &EquationRow) -> f64 {
         match self.quantity {
             Quantity::Distance(length) => {
                 // d² = L (L + 2c), and d - L = (d² - L²) / (d + L) without cancellation.
@@ -78,7 +78,7 @@ impl Equation {
     }
 
     /// Return the rate of the residual as reported.
-    pub(crate) fn residual_rate(&self, row: &Row, frames: &[Frame]) -> f64 {
+    pub(crate) fn residual_rate(&self, row: &EquationRow, frames: &[Frame]) -> f64 {
         match self.quantity {
             Quantity::Distance(length) => {
                 let found = length + self.residual(row);
@@ -115,13 +115,13 @@ impl Equation {
     }
 
     /// Evaluate the equation at time `t` and the state of the bodies.
-    pub(crate) fn evaluate(&self, t: f64, frames: &[Frame]) -> Row {
+    pub(crate) fn evaluate(&self, t: f64, frames: &[Frame]) -> EquationRow {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let (arm_a, arm_b) = (fa.turned(self.a.point), fb.turned(self.b.point));
         let d = (fb.origin - fa.origin) + (arm_b - arm_a);
-        let mut row = Row {
+        let mut row = EquationRow {
             bodies: [self.a.body, self.b.body, self.carrier],
-            ..Row::default()
+            ..EquationRow::default()
         };
         // d'' = (terms in the accelerations) + `ω_a`² `arm_a` - `ω_b`² `arm_b`: the centripetal terms.
         let centripetal = fa.spin * fa.spin * arm_a - fb.spin * fb.spin * arm_b;

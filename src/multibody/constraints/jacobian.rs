@@ -1,6 +1,6 @@
 //! Products with the Jacobian G of the constraints. Both equations of a point between free bodies are taken at once.
 
-use super::equation::Row;
+use super::equation::EquationRow;
 use crate::geometry::turned_left;
 use crate::multibody::description::body::{End, Frame};
 use crate::multibody::model::MechanismModel;
@@ -33,7 +33,7 @@ pub(crate) struct Jacobian {
 impl Point {
     /// Evaluate both equations at the state of the bodies. The rows have been evaluated before: only numbers that change with the state
     /// are written.
-    pub(crate) fn evaluate(&self, frames: &[Frame], rows: &mut [Row]) {
+    pub(crate) fn evaluate(&self, frames: &[Frame], rows: &mut [EquationRow]) {
         let [fa, fb] = self.ends.map(|end| &frames[end.body]);
         let (arm_a, arm_b) = (fa.turned(self.ends[0].point), fb.turned(self.ends[1].point));
         let d = (fb.origin - fa.origin) + (arm_b - arm_a);
@@ -49,7 +49,7 @@ impl Point {
     }
 
     /// Return the derivatives of both equations with respect to the angles of the bodies.
-    pub(crate) fn slopes(&self, rows: &[Row]) -> [[f64; 2]; 2] {
+    pub(crate) fn slopes(&self, rows: &[EquationRow]) -> [[f64; 2]; 2] {
         let [one, other] = [&rows[self.row].jacobian, &rows[self.row + 1].jacobian];
         [[one[0][2], one[1][2]], [other[0][2], other[1][2]]]
     }
@@ -78,13 +78,16 @@ impl Jacobian {
     }
 
     /// Return the coordinates of the free bodies of a row, each with its part of the row.
-    pub(crate) fn parts<'a>(&'a self, row: &'a Row) -> impl Iterator<Item = (usize, &'a [f64; 3])> {
+    pub(crate) fn parts<'a>(
+        &'a self,
+        row: &'a EquationRow,
+    ) -> impl Iterator<Item = (usize, &'a [f64; 3])> {
         let parts = row.bodies.iter().zip(&row.jacobian);
         parts.filter_map(|(&body, part)| self.first[body].map(|first| (first, part)))
     }
 
     /// Write the product G x, one number per constraint.
-    pub(crate) fn multiply(&self, rows: &[Row], x: &[f64], product: &mut [f64]) {
+    pub(crate) fn multiply(&self, rows: &[EquationRow], x: &[f64], product: &mut [f64]) {
         let x = by_body(x);
         for group in &self.groups {
             match group {
@@ -108,7 +111,7 @@ impl Jacobian {
     /// Add W Gᵀ λ to `x` with a diagonal matrix W of these `weights`.
     pub(crate) fn add_transposed(
         &self,
-        rows: &[Row],
+        rows: &[EquationRow],
         lambda: impl Fn(usize) -> f64,
         weights: &[f64],
         x: &mut [f64],

@@ -1,7 +1,7 @@
 //! Second derivatives of the quantity of a constraint equation, and its third derivatives along the velocities.
 
 use super::equation::{Equation, Quantity};
-use super::relative_kinematics::{Block, Pair};
+use super::relative_kinematics::{CoordinateBlock, Pair};
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
 
@@ -9,7 +9,7 @@ use crate::multibody::description::body::Frame;
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct JointSlopes {
     /// ∂²c/∂q².
-    pub(crate) second: Block,
+    pub(crate) second: CoordinateBlock,
     /// ∂(v · ∂²c/∂q² v)/∂q.
     pub(crate) third: [f64; 6],
 }
@@ -52,7 +52,7 @@ impl Equation {
 }
 
 /// Return the matrix with the entries of a function of row and column.
-fn fill(entry: impl Fn(usize, usize) -> f64) -> Block {
+fn fill(entry: impl Fn(usize, usize) -> f64) -> CoordinateBlock {
     std::array::from_fn(|k| std::array::from_fn(|l| entry(k, l)))
 }
 
@@ -113,7 +113,8 @@ mod tests {
                 let at = |change: f64| equation.evaluate(0.0, &frames(l, change));
                 let (up, down) = (at(h), at(-h));
                 for k in 0..6 {
-                    let entry = |row: &super::super::equation::Row| row.jacobian[k / 3][k % 3];
+                    let entry =
+                        |row: &super::super::equation::EquationRow| row.jacobian[k / 3][k % 3];
                     let expected = (entry(&up) - entry(&down)) / (2.0 * h);
                     let found = slopes.second[k][l];
                     assert!(

@@ -5,7 +5,7 @@ use crate::multibody::description::body::{End, Frame};
 use nalgebra::Matrix2;
 
 /// Matrix over the coordinates of two bodies: [x, y, θ] of a, then of b.
-pub(crate) type Block = [[f64; 6]; 6];
+pub(crate) type CoordinateBlock = [[f64; 6]; 6];
 
 /// Vector d from point a to point b and its derivatives; components in the ground's frame.
 #[derive(Debug, Clone, Copy)]
@@ -153,7 +153,7 @@ impl Pair {
         torque: &PairTorque,
         by_velocity: f64,
         by_place: f64,
-        block: &mut Block,
+        block: &mut CoordinateBlock,
     ) {
         // Torque: ω = v₅ - v₂, so `arm` is ∂ω/∂v and Q = `arm`ᵀ τ. The force adds (∂d/∂q)ᵀ `force_by_spin` ∂ω/∂v.
         let arm = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0];
@@ -176,7 +176,7 @@ impl Pair {
         force: &PairForce,
         by_velocity: f64,
         by_place: f64,
-        block: &mut Block,
+        block: &mut CoordinateBlock,
     ) {
         // Change of the force by a displacement and by a change of the relative velocity.
         let by_change = by_place * force.by_velocity;

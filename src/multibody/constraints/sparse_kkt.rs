@@ -9,7 +9,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::equation::Row;
+use super::equation::EquationRow;
 use super::jacobian::{Jacobian, by_body};
 use crate::math::double_double::{Number, Twice};
 use crate::math::sparse_kkt::ldlt::{Factors, Structure};
@@ -31,7 +31,7 @@ pub(crate) struct SparseKkt {
     structure: Structure,
     factors: Factors<f64>,
     /// Constraint rows of the factors.
-    factorised: Vec<Row>,
+    factorised: Vec<EquationRow>,
     /// Factors in double-double precision, once they are needed.
     twice: Option<Box<Factors<Twice>>>,
     /// Multipliers without effect on the motion, where constraints were left out; `None` until they are needed.
@@ -104,7 +104,7 @@ impl SparseKkt {
             meetings,
             factors: Factors::new(&structure),
             structure,
-            factorised: vec![Row::default(); m],
+            factorised: vec![EquationRow::default(); m],
             twice: None,
             null_space: None,
             right: vec![0.0; m],
@@ -130,7 +130,7 @@ impl SparseKkt {
     }
 
     /// Assemble and factorise S, without constraints whose independence is below `part`.
-    pub(crate) fn factorise(&mut self, rows: &[Row], part: f64) {
+    pub(crate) fn factorise(&mut self, rows: &[EquationRow], part: f64) {
         self.null_space = None;
         self.factorised.copy_from_slice(rows);
         let entries = &mut self.factors.entries;
@@ -145,7 +145,7 @@ impl SparseKkt {
     }
 
     /// Factorise in double-double precision.
-    fn factorise_twice(&mut self, rows: &[Row], part: f64) {
+    fn factorise_twice(&mut self, rows: &[EquationRow], part: f64) {
         let taken = self.twice.take();
         let mut twice = taken.unwrap_or_else(|| Box::new(Factors::new(&self.structure)));
         gather(&self.meetings, &self.inverse_mass, rows, &mut twice.entries);
@@ -224,7 +224,7 @@ impl SparseKkt {
     }
 
     /// Return the diagonal entry of G M⁻¹ Gᵀ of one row.
-    pub(crate) fn diagonal(&self, row: &Row) -> f64 {
+    pub(crate) fn diagonal(&self, row: &EquationRow) -> f64 {
         let squares = self.jacobian.parts(row).map(|(first, part)| {
             let inverse = by_body(&self.inverse_mass)[first / 3];
             (0..3).map(|k| part[k] * part[k] * inverse[k]).sum::<f64>()
@@ -233,7 +233,7 @@ impl SparseKkt {
     }
 
     /// Add M⁻¹ Gᵀ λ to `x`.
-    pub(crate) fn push(&self, rows: &[Row], lambda: impl Fn(usize) -> f64, x: &mut [f64]) {
+    pub(crate) fn push(&self, rows: &[EquationRow], lambda: impl Fn(usize) -> f64, x: &mut [f64]) {
         (self.jacobian).add_transposed(rows, lambda, &self.inverse_mass, x);
     }
 
@@ -241,7 +241,7 @@ impl SparseKkt {
     pub(crate) fn solve(
         &mut self,
         forces: &[f64],
-        rows: &[Row],
+        rows: &[EquationRow],
         accelerations: &mut [f64],
         multipliers: &mut [f64],
     ) {
@@ -287,7 +287,12 @@ impl SparseKkt {
 }
 
 /// Assemble S: each entry is a sum of products `g_i` M⁻¹ `g_j`ᵀ over the common bodies of two constraints.
-fn gather<T: Number>(meetings: &[Meeting], inverse_mass: &[f64], rows: &[Row], entries: &mut [T]) {
+fn gather<T: Number>(
+    meetings: &[Meeting],
+    inverse_mass: &[f64],
+    rows: &[EquationRow],
+    entries: &mut [T],
+) {
     entries.fill(T::default());
     for meeting in meetings {
         let ([i, j], [part_i, part_j]) = (meeting.rows, meeting.parts);

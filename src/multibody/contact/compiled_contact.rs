@@ -1,7 +1,7 @@
 //! A contact prepared for a run: contact points, forces, energies and the impact velocity memory of each side of the profile.
 
 use super::impact_memory::{Memory, SideState};
-use super::outline::{ContactPoint, Outline, Place, is_tight};
+use super::outline::{ContactPoint, Outline, OutlinePlace, is_tight};
 use super::step_bound::FARTHEST;
 use crate::error::Result;
 use crate::force_law::HingeFilm;
@@ -12,7 +12,7 @@ use crate::multibody::description::contact_law::CompiledLaw;
 use crate::multibody::description::contact_pair::ContactPair;
 use crate::multibody::description::profile::{Curvature, Nearest, Profile, Tooth};
 use crate::multibody::description::tribology::FrictionLaw;
-use crate::multibody::forces::loads::Loads;
+use crate::multibody::forces::loads::BodyLoads;
 
 /// A contact with its bodies by index and the constants of each piece of its profile.
 #[derive(Debug, Clone)]
@@ -115,7 +115,7 @@ impl CompiledContact {
             weight: 1.0,
             weight_gradient: Vec2::zeros(),
             bend: 0.0,
-            place: Place::Front,
+            place: OutlinePlace::Front,
         };
         visit(&candidate, tooth);
     }
@@ -124,9 +124,9 @@ impl CompiledContact {
     /// penetrated from the front has one.
     pub(crate) fn may_carry_force(&self, candidate: &ContactPoint, memory: Memory) -> bool {
         match candidate.place {
-            Place::DeepAtEnd => memory.in_front,
+            OutlinePlace::DeepAtEnd => memory.in_front,
             // Without memory, a centre less than half a radius deep counts as having come from the front.
-            Place::Deep if self.is_open() => {
+            OutlinePlace::Deep if self.is_open() => {
                 memory.in_front || memory.is_empty() && -candidate.distance < 0.5 * self.radius
             }
             // A circle marked as behind has no force while it overlaps the surface.
@@ -206,7 +206,7 @@ impl CompiledContact {
         &self,
         frames: &[Frame],
         memory: &[Memory],
-        loads: &mut Loads,
+        loads: &mut BodyLoads,
         side_states: &mut [SideState],
     ) -> [f64; 2] {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
@@ -271,8 +271,8 @@ impl CompiledContact {
             self.contact_points(self.local(fa, fb), |candidate, _| {
                 behind |= candidate.side == side
                     && match candidate.place {
-                        Place::DeepAtEnd => false,
-                        Place::Deep => true,
+                        OutlinePlace::DeepAtEnd => false,
+                        OutlinePlace::Deep => true,
                         _ => {
                             memory.is_behind()
                                 && candidate.weight > 0.0
@@ -309,8 +309,8 @@ impl CompiledContact {
         if self.is_open() {
             self.contact_points(self.local(fa, fb), |candidate, _| {
                 let comes_out = self.approach(fa, fb).dot(&fa.turned(candidate.outward)) > 0.0;
-                let deep =
-                    candidate.place == Place::Deep && -candidate.distance >= 0.5 * self.radius;
+                let deep = candidate.place == OutlinePlace::Deep
+                    && -candidate.distance >= 0.5 * self.radius;
                 behind |= deep && !comes_out;
             });
         }

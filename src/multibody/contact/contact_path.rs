@@ -7,7 +7,7 @@ use crate::geometry::Vec2;
 pub(crate) const UNSEEN: f64 = 1e-9;
 
 /// Position \[m\], velocity \[m/s\] and acceleration \[m/s²\] of a circle's centre at one end of a step.
-pub(crate) type Motion = [Vec2; 3];
+pub(crate) type PointMotion = [Vec2; 3];
 
 /// Polynomial path of fifth order through position, velocity and acceleration at both ends, as control points of a Bézier curve.
 ///
@@ -24,7 +24,7 @@ pub(crate) struct Depth<F> {
 
 impl ContactPath {
     /// Return the path through both ends of a step of `length` \[s\].
-    pub(crate) fn through([p, v, a]: Motion, [q, w, b]: Motion, length: f64) -> Self {
+    pub(crate) fn through([p, v, a]: PointMotion, [q, w, b]: PointMotion, length: f64) -> Self {
         // Control points of a Bézier curve of degree 5: P₁ = p + v h/5, P₂ = p + 2 v h/5 + a h²/20, and mirrored at the other end.
         let (first, second) = (length / 5.0, length * length / 20.0);
         Self([

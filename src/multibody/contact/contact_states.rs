@@ -5,7 +5,7 @@ use super::event_screening::ContactEnd;
 use super::impact_memory::{Memory, SideState};
 use crate::geometry::Vec2;
 use crate::multibody::description::body::Frame;
-use crate::multibody::forces::loads::Loads;
+use crate::multibody::forces::loads::BodyLoads;
 use crate::multibody::model::MechanismModel;
 
 /// State of all contacts. The memory changes between steps only.
@@ -48,7 +48,7 @@ impl ContactStates {
         &mut self,
         model: &MechanismModel,
         frames: &[Frame],
-        loads: &mut Loads,
+        loads: &mut BodyLoads,
     ) {
         self.bristles.begin();
         self.screened = false;

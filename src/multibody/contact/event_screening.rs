@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::compiled_contact::CompiledContact;
-use super::contact_path::{ContactPath, Depth, Motion, UNSEEN};
+use super::contact_path::{ContactPath, Depth, PointMotion, UNSEEN};
 use super::contact_states::ContactStates;
 use super::impact_memory::Memory;
 use super::step_bound::FARTHEST;
@@ -101,7 +101,7 @@ fn path_between(start: &ContactEnd, end: &ContactEnd, length: f64) -> Option<Con
 }
 
 /// Return a motion after a `time` \[s\] of constant acceleration.
-fn continued([place, velocity, acceleration]: Motion, time: f64) -> Motion {
+fn continued([place, velocity, acceleration]: PointMotion, time: f64) -> PointMotion {
     let faster = velocity + time * acceleration;
     [
         place + 0.5 * time * (velocity + faster),

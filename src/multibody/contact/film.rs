@@ -13,7 +13,7 @@ use crate::force_law::HingeFilm;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
 use crate::multibody::description::body::Frame;
-use crate::multibody::forces::loads::Loads;
+use crate::multibody::forces::loads::BodyLoads;
 
 /// Ratio of eccentricity to clearance below which the direction is lost in rounding. Slopes below it are those at this ratio.
 const LEAST_RATIO: f64 = 1e-7;
@@ -63,7 +63,7 @@ impl CompiledContact {
         &self,
         film: &HingeFilm,
         frames: &[Frame],
-        loads: &mut Loads,
+        loads: &mut BodyLoads,
         side_state: &mut SideState,
     ) {
         let wet = self.wet(&frames[self.a.body], &frames[self.b.body]);

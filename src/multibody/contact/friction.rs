@@ -15,7 +15,7 @@ use crate::geometry::{Vec2, turned_left};
 use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
 use crate::multibody::description::body::Frame;
 use crate::multibody::description::tribology::FrictionLaw;
-use crate::multibody::forces::loads::Loads;
+use crate::multibody::forces::loads::BodyLoads;
 
 /// Normal force and sliding velocity of one side.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +97,7 @@ impl CompiledContact {
         frames: &[Frame],
         numbers: &[Option<usize>],
         bristles: &mut Bristles,
-        (loads, side_states): (&mut Loads, &mut [SideState]),
+        (loads, side_states): (&mut BodyLoads, &mut [SideState]),
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         for (side_state, number) in side_states.iter_mut().zip(numbers) {
@@ -119,7 +119,13 @@ impl CompiledContact {
     }
 
     /// Add a force on b at the circle's centre and a torque on b, with the opposite force and torque on a.
-    pub(crate) fn add_wrench(&self, frames: &[Frame], force: Vec2, torque: f64, loads: &mut Loads) {
+    pub(crate) fn add_wrench(
+        &self,
+        frames: &[Frame],
+        force: Vec2,
+        torque: f64,
+        loads: &mut BodyLoads,
+    ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let center = fb.place(self.b.point);
         loads.push(self.b.body, fb, center, force);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::outline::Place;
+use super::outline::OutlinePlace;
 use crate::geometry::Contact;
 use crate::geometry::Vec2;
 use crate::multibody::description::profile::Tooth;
@@ -25,7 +25,7 @@ pub(crate) struct SideState {
     /// Normal, penetration and penetration rate at the point of largest penetration.
     pub(crate) contact: Contact,
     pub(crate) piece: usize,
-    pub(crate) place: Place,
+    pub(crate) place: OutlinePlace,
     /// Tooth gap and region, if the circle is near the teeth of a sprocket.
     pub(crate) tooth: Option<Tooth>,
     /// Normal force \[N\].
@@ -45,7 +45,7 @@ impl Default for SideState {
                 penetration_rate: 0.0,
             },
             piece: 0,
-            place: Place::Front,
+            place: OutlinePlace::Front,
             tooth: None,
             force: 0.0,
             push: Vec2::zeros(),

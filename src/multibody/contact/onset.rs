@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contact_states::ContactStates;
 use super::impact_memory::{Memory, SideState};
-use super::outline::Place;
+use super::outline::OutlinePlace;
 use crate::integrator::event_location::onset_in_step;
 use crate::integrator::{Adams, Step};
 use crate::multibody::description::body::Frame;
@@ -204,12 +204,12 @@ impl ContactStates {
 
     /// Record whether the circle came from the front of an open outline. Only then is it in contact at any depth. A circle that
     /// moved round the end is not in contact with the surface from behind.
-    fn note_place(&mut self, k: usize, place: Place) {
+    fn note_place(&mut self, k: usize, place: OutlinePlace) {
         let memory = &mut self.memory[k];
         match place {
-            Place::Front | Place::Deep => memory.in_front = true,
-            Place::EndFront => memory.in_front = false,
-            Place::EndBack | Place::DeepAtEnd => {}
+            OutlinePlace::Front | OutlinePlace::Deep => memory.in_front = true,
+            OutlinePlace::EndFront => memory.in_front = false,
+            OutlinePlace::EndBack | OutlinePlace::DeepAtEnd => {}
         }
     }
 

@@ -8,7 +8,7 @@
 
 mod extrema;
 
-use self::extrema::Found;
+use self::extrema::Extremum;
 use crate::geometry::{Vec2, direction, turned_left};
 use crate::multibody::description::outline_piece::Piece;
 use crate::multibody::description::profile::Curvature;
@@ -38,12 +38,12 @@ pub(crate) struct ContactPoint {
     /// the centre of curvature, negative where that centre lies in front of the surface.
     pub(crate) bend: f64,
     /// Position relative to the surface and the ends of the profile.
-    pub(crate) place: Place,
+    pub(crate) place: OutlinePlace,
 }
 
 /// Position of a contact point relative to the surface and the ends of a profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Place {
+pub(crate) enum OutlinePlace {
     /// The centre is in front of the surface.
     #[default]
     Front,
@@ -59,7 +59,7 @@ pub(crate) enum Place {
 
 /// A piece, or a part of an arc of at most a quarter turn, inside which the distance has at most one extremum.
 #[derive(Debug, Clone, Copy)]
-struct Part {
+struct OutlinePart {
     piece: Piece,
     number: usize,
     side: usize,
@@ -71,7 +71,7 @@ struct Part {
 /// An outline prepared for the evaluation of contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct Outline {
-    parts: Vec<Part>,
+    parts: Vec<OutlinePart>,
     closed: bool,
     sides: usize,
 }
@@ -85,7 +85,7 @@ impl Outline {
             let count = (piece.span() / std::f64::consts::FRAC_PI_2 - 1e-9)
                 .ceil()
                 .max(1.0) as usize;
-            parts.extend(piece.split(count).into_iter().map(|part| Part {
+            parts.extend(piece.split(count).into_iter().map(|part| OutlinePart {
                 piece: part,
                 number,
                 side: 0,
@@ -114,7 +114,7 @@ impl Outline {
     /// Number the sides. A side ends at a corner that turns to the right, or with an arc of a radius not above `radius`.
     fn number_sides(&mut self, radius: f64) {
         let count = self.parts.len();
-        let tight = |part: &Part| is_tight(part.piece.curvature(), radius);
+        let tight = |part: &OutlinePart| is_tight(part.piece.curvature(), radius);
         let begins = |i: usize| {
             let (before, here) = (&self.parts[(i + count - 1) % count], &self.parts[i]);
             let corner = before.tangents[1].perp(&here.tangents[0]) < -SMOOTH;
@@ -183,7 +183,7 @@ impl Outline {
         mut visit: impl FnMut(&ContactPoint),
     ) {
         let farthest = limit * limit;
-        let mut found = Found::default();
+        let mut found = Extremum::default();
         let last = self.parts.len() - 1;
         let mut descending = if self.closed {
             self.parts[last].descends(point)
@@ -240,7 +240,7 @@ pub(crate) fn is_tight(curvature: Curvature, radius: f64) -> bool {
     matches!(curvature, Curvature::Concave(own) if own <= radius)
 }
 
-impl Part {
+impl OutlinePart {
     /// Return whether the distance decreases along the outline at the end of the part.
     fn descends(&self, point: Vec2) -> bool {
         self.tangents[1].dot(&(point - self.piece.to)) > 0.0
@@ -273,13 +273,13 @@ impl Part {
             weight: 1.0,
             weight_gradient: Vec2::zeros(),
             bend,
-            place: Place::Front,
+            place: OutlinePlace::Front,
         }
     }
 }
 
 /// Return a corner as a local minimum or maximum of the distance; the distance is negative behind the corner.
-fn at_corner(before: &Part, part: &Part, arm: Vec2) -> ContactPoint {
+fn at_corner(before: &OutlinePart, part: &OutlinePart, arm: Vec2) -> ContactPoint {
     let distance = arm.norm();
     let outward = -turned_left(before.tangents[1] + part.tangents[0]);
     let side = if arm.dot(&outward) >= 0.0 { 1.0 } else { -1.0 };

@@ -5,7 +5,7 @@ use std::f64::consts::SQRT_2;
 
 use super::compiled_contact::CompiledContact;
 use super::impact_memory::SideState;
-use super::outline::Place;
+use super::outline::OutlinePlace;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
@@ -154,9 +154,9 @@ impl CompiledContact {
         // An open outline has a back: points without a force limit the step too, and behind the surface the gap is that to the back.
         let mut gap = f64::INFINITY;
         self.contact_points(self.local(fa, fb), |candidate, _| {
-            if candidate.place == Place::Deep {
+            if candidate.place == OutlinePlace::Deep {
                 gap = gap.min(-candidate.distance - self.radius);
-            } else if candidate.weight > 0.0 && candidate.place != Place::DeepAtEnd {
+            } else if candidate.weight > 0.0 && candidate.place != OutlinePlace::DeepAtEnd {
                 gap = gap.min(candidate.distance - self.radius);
             }
         });

@@ -9,7 +9,7 @@ use crate::multibody::description::contact_law::ContactLaw;
 use crate::multibody::description::contact_pair::ContactPair;
 use crate::multibody::description::profile::Profile;
 use crate::multibody::description::tribology::Tribology;
-use crate::multibody::forces::loads::Loads;
+use crate::multibody::forces::loads::BodyLoads;
 use crate::multibody::model::MechanismModel;
 
 /// Number of the body with the profiles, behind the ground.
@@ -102,14 +102,14 @@ pub(super) fn evaluated(
     model: &MechanismModel,
     states: &mut ContactStates,
     frames: &[Frame],
-) -> Loads {
-    let mut loads = Loads::new(frames.len(), model.coordinates());
+) -> BodyLoads {
+    let mut loads = BodyLoads::new(frames.len(), model.coordinates());
     states.add_loads(model, frames, &mut loads);
     loads
 }
 
 /// Return the power of the loads on all bodies \[W\].
-pub(super) fn power(loads: &Loads, frames: &[Frame]) -> f64 {
+pub(super) fn power(loads: &BodyLoads, frames: &[Frame]) -> f64 {
     let of_body = |(load, frame): (&[f64; 3], &Frame)| {
         load[0] * frame.velocity.x + load[1] * frame.velocity.y + load[2] * frame.spin
     };

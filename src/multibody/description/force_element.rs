@@ -8,7 +8,7 @@ use crate::error::{Error, Result, check};
 use crate::geometry::{Vec2, direction};
 use crate::math::{Signal, Table};
 use crate::multibody::GROUND;
-use crate::multibody::forces::loads::Loads;
+use crate::multibody::forces::loads::BodyLoads;
 
 /// A force or torque between body `a` and body `b`.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,7 +155,7 @@ pub(crate) struct Force {
 
 impl Force {
     /// Add the loads, the stored energy and the powers of the element.
-    pub(crate) fn add(&self, t: f64, frames: &[Frame], loads: &mut Loads) {
+    pub(crate) fn add(&self, t: f64, frames: &[Frame], loads: &mut BodyLoads) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         match &self.kind {
             ForceKind::Force { x, y, follows } => {
@@ -209,14 +209,14 @@ impl Force {
     }
 
     /// Add a torque on b, its reaction on a and its power.
-    fn twist(&self, torque: f64, fa: &Frame, fb: &Frame, loads: &mut Loads) {
+    fn twist(&self, torque: f64, fa: &Frame, fb: &Frame, loads: &mut BodyLoads) {
         loads.twist(self.b.body, torque);
         loads.twist(self.a.body, -torque);
         loads.external_work += torque * (fb.spin - fa.spin);
     }
 
     /// Add the force of a spring and damper between both points: T = f(x) + c n·v along their connecting line.
-    fn pull(&self, law: &SpringLaw, fa: &Frame, fb: &Frame, loads: &mut Loads) {
+    fn pull(&self, law: &SpringLaw, fa: &Frame, fb: &Frame, loads: &mut BodyLoads) {
         let (from, to) = (fa.place(self.a.point), fb.place(self.b.point));
         let d = to - from;
         let length = d.norm();

@@ -3,7 +3,7 @@
 use nalgebra::Matrix2;
 
 use crate::geometry::{Vec2, turned_left};
-use crate::multibody::constraints::relative_kinematics::{Block, Pair, PairForce};
+use crate::multibody::constraints::relative_kinematics::{CoordinateBlock, Pair, PairForce};
 use crate::multibody::description::body::Frame;
 use crate::multibody::description::force_element::{CustomForce, Force, ForceKind};
 use crate::multibody::description::spring_law::SpringLaw;
@@ -21,7 +21,7 @@ impl Force {
         frames: &[Frame],
         by_velocity: f64,
         by_place: f64,
-        block: &mut Block,
+        block: &mut CoordinateBlock,
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         match &self.kind {
@@ -94,7 +94,7 @@ impl Force {
 }
 
 /// Add the slope of the torque on b with respect to the angle or angular velocity of b relative to a.
-pub(crate) fn add_twist(slope: f64, block: &mut Block) {
+pub(crate) fn add_twist(slope: f64, block: &mut CoordinateBlock) {
     for (k, sign) in [(2, -1.0), (5, 1.0)] {
         block[k][5] += sign * slope;
         block[k][2] -= sign * slope;

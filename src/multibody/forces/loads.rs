@@ -5,7 +5,7 @@ use crate::multibody::description::body::Frame;
 
 /// Sum of all forces at one state, with their energies and powers.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Loads {
+pub(crate) struct BodyLoads {
     /// Force and torque about the centre of mass of each body \[N, N, N m\].
     pub(crate) on: Vec<[f64; 3]>,
     /// Loads on the free coordinates, once all are summed.
@@ -20,7 +20,7 @@ pub(crate) struct Loads {
     pub(crate) external_work: f64,
 }
 
-impl Loads {
+impl BodyLoads {
     pub(crate) fn new(bodies: usize, coordinates: usize) -> Self {
         Self {
             on: vec![[0.0; 3]; bodies],

@@ -1,6 +1,6 @@
 //! Channels of a drive with ideal hinges from the rows of its mechanism: reactions as hinge forces, contacts as those of bushings.
 
-use super::tensioner::{Arm, Pull, PullLoad};
+use super::tensioner::{Pull, PullLoad, TensionerArm};
 use super::{curve_name, motor_name, sprocket_name};
 use crate::drive::{
     Drive, InputBounds, InputQuantity, Tensioner, bushing_on_front, sprocket_of, tensioner_force,
@@ -53,7 +53,7 @@ impl BushingContact {
 
 /// Data of a sprocket for the channels.
 #[derive(Debug, Clone)]
-struct Wheel {
+struct DriveWheel {
     /// Number of the joint that prescribes its speed.
     motor: Option<usize>,
     /// Numbers of the force elements that apply its torque and its curve over speed.
@@ -70,13 +70,13 @@ struct Wheel {
 pub(crate) struct DriveView {
     /// Half the pitch of each link \[m\].
     arms: Vec<f64>,
-    wheels: Vec<Wheel>,
+    wheels: Vec<DriveWheel>,
     /// Number of the sprocket at which each strand begins.
     strands: Vec<usize>,
     /// Number of the joint of hinge 1; the others follow.
     first_hinge: usize,
     /// Arm of the tensioner, which is not a body of the drive, and the row of its sprocket.
-    arm: Option<(Arm, usize)>,
+    arm: Option<(TensionerArm, usize)>,
     /// Tensioner: its sprocket, from 0, and its pull.
     pull: Option<(usize, Pull)>,
 }
@@ -90,7 +90,7 @@ impl DriveView {
         let forces: Vec<&str> = model.force_names().collect();
         let wheel = |(number, sprocket): (usize, &crate::drive::Sprocket)| {
             let profile = sprocket.tooth_profile(chain)?;
-            Ok(Wheel {
+            Ok(DriveWheel {
                 motor: joint(&motor_name(number)),
                 torques: [motor_name(number), curve_name(number)]
                     .iter()
@@ -106,7 +106,7 @@ impl DriveView {
             let line = tensioner.line(drive)?;
             Ok((tensioner.sprocket - 1, Pull::of(drive, &line)))
         };
-        let arm = Arm::of(drive).zip(drive.tensioner.as_ref());
+        let arm = TensionerArm::of(drive).zip(drive.tensioner.as_ref());
         Ok(Self {
             arms: chain.link_pitches().iter().map(|p| 0.5 * p).collect(),
             wheels: (drive.sprockets.iter().enumerate())
@@ -215,7 +215,7 @@ impl DriveView {
             }
         };
         let wheels = || self.strands.iter().map(|&s| (links + s, &self.wheels[s]));
-        let pulley = |(body, wheel): (usize, &Wheel)| Pulley {
+        let pulley = |(body, wheel): (usize, &DriveWheel)| Pulley {
             center: place(body),
             radius: wheel.pitch_radius,
             side: wheel.side,

@@ -37,14 +37,14 @@ pub(super) fn share_beside_arm(drive: &Drive, number: usize) -> f64 {
 
 /// Arm that carries a sprocket and rotates about `pivot`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Arm {
+pub(super) struct TensionerArm {
     pub(super) pivot: Vec2,
     length: f64,
     /// Angle as described \[rad\].
     angle: f64,
 }
 
-impl Arm {
+impl TensionerArm {
     /// Return the arm of the drive's tensioner, if it has one.
     pub(super) fn of(drive: &Drive) -> Option<Self> {
         let tensioner = drive.tensioner.as_ref()?;
@@ -98,7 +98,7 @@ pub(super) enum Pull {
 impl Pull {
     /// Return the pull of the tensioner of `drive`.
     pub(super) fn of(drive: &Drive, line: &TensionerLine) -> Self {
-        Arm::of(drive).map_or(Self::Slide(line.direction), |arm| {
+        TensionerArm::of(drive).map_or(Self::Slide(line.direction), |arm| {
             Self::Arm(arm.sense(line) * arm.length)
         })
     }
@@ -134,7 +134,7 @@ impl Mechanism {
         velocity: Vec2,
     ) -> Result<()> {
         let line = tensioner.line(drive)?;
-        match Arm::of(drive) {
+        match TensionerArm::of(drive) {
             None => self.add_slide(drive, tensioner, &line, center),
             Some(arm) => self.add_arm(drive, tensioner, (&arm, &line), center, velocity),
         }
@@ -184,7 +184,7 @@ impl Mechanism {
         &mut self,
         drive: &Drive,
         tensioner: &Tensioner,
-        (arm, line): (&Arm, &TensionerLine),
+        (arm, line): (&TensionerArm, &TensionerLine),
         center: Vec2,
         velocity: Vec2,
     ) -> Result<()> {

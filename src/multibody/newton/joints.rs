@@ -6,7 +6,7 @@ use super::stage::largest_rotation;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::constraints::equation::Equation;
 use crate::multibody::constraints::jacobian::{Group, Point, by_body};
-use crate::multibody::constraints::relative_kinematics::{Block, Pair};
+use crate::multibody::constraints::relative_kinematics::{CoordinateBlock, Pair};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
@@ -68,7 +68,7 @@ impl ImplicitMatrix {
     ) {
         for pin in &model.pins {
             let torque = pin.torque(frames, multipliers);
-            let mut block = Block::default();
+            let mut block = CoordinateBlock::default();
             add_twist(-gamma * torque.by_spin, &mut block);
             self.saddle.add_pair(&self.joints[pin.row].0, &block);
             for (i, slope) in torque.by_multiplier.into_iter().enumerate() {
@@ -86,7 +86,7 @@ fn bend(
     equation: &Equation,
     gamma: f64,
     across: &mut [[f64; 3]; 3],
-) -> Option<Block> {
+) -> Option<CoordinateBlock> {
     let MechanismDynamics {
         model,
         frames,

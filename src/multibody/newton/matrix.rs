@@ -20,7 +20,7 @@ use crate::integrator::{
     SecondOrderSystem,
 };
 use crate::multibody::constraints::jacobian::{Group, Jacobian};
-use crate::multibody::constraints::relative_kinematics::{Block, Pair};
+use crate::multibody::constraints::relative_kinematics::{CoordinateBlock, Pair};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::dynamics::MechanismDynamics;
@@ -112,7 +112,7 @@ impl ImplicitMatrix {
         let (by_velocity, by_place) = (-gamma, -gamma * gamma);
         let time = dynamics.corrector.time;
         for (force, places) in model.forces.iter().zip(&self.forces) {
-            let mut block = Block::default();
+            let mut block = CoordinateBlock::default();
             force.add_slopes(time, frames, by_velocity, by_place, &mut block);
             self.saddle.add_pair(places, &block);
         }
@@ -121,7 +121,7 @@ impl ImplicitMatrix {
                 continue;
             }
             let pair = Pair::new(contact.a, contact.b, frames, true);
-            let mut block = Block::default();
+            let mut block = CoordinateBlock::default();
             dynamics
                 .contacts
                 .visit_slopes(model, frames, k, |force, torque| {

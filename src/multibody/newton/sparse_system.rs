@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use crate::math::sparse_kkt::block_lu::BlockLu;
-use crate::multibody::constraints::relative_kinematics::Block;
+use crate::multibody::constraints::relative_kinematics::CoordinateBlock;
 
 /// Blocks aa, ab, ba, bb of two bodies; `None` for a fixed body.
 pub(crate) type PairPlaces = [Option<usize>; 4];
@@ -197,7 +197,7 @@ impl Saddle {
     }
 
     /// Add the block of two bodies.
-    pub(crate) fn add_pair(&mut self, places: &PairPlaces, block: &Block) {
+    pub(crate) fn add_pair(&mut self, places: &PairPlaces, block: &CoordinateBlock) {
         for (at, (row, column)) in places.iter().zip([(0, 0), (0, 3), (3, 0), (3, 3)]) {
             let Some(at) = *at else { continue };
             for (l, entries) in self.lu.tile_mut(at).iter_mut().enumerate() {

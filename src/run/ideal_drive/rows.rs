@@ -7,7 +7,7 @@ use crate::multibody::from_drive::channels::{BushingContact, DriveView, Mechanis
 use crate::system::{Channel, Recording, Values};
 
 /// Recording of a mechanism, row by row.
-pub(crate) struct Rows<'a> {
+pub(crate) struct IdealRows<'a> {
     recording: &'a Recording,
     bodies: usize,
     joints: usize,
@@ -15,7 +15,7 @@ pub(crate) struct Rows<'a> {
     forces: usize,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> IdealRows<'a> {
     pub(crate) fn new(recording: &'a Recording, model: &MechanismModel) -> Self {
         Self {
             recording,

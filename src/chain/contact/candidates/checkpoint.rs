@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Candidates, Run, SprocketCandidates, lay_out};
+use super::{BushingRun, Candidates, SprocketCandidates, lay_out};
 use crate::chain::contact::ImpactMemory;
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
@@ -91,7 +91,7 @@ impl Candidates {
             self.sprockets.iter_mut().zip(&list.sprockets).enumerate()
         {
             candidates.restore(model, memory, s, checkpoint)?;
-            let behind = |run: &Run| (run.first + run.length).saturating_sub(n);
+            let behind = |run: &BushingRun| (run.first + run.length).saturating_sub(n);
             let behind = candidates.runs.iter().map(behind).max();
             self.overhang = self.overhang.max(behind.unwrap_or(0));
         }
@@ -121,7 +121,7 @@ impl SprocketCandidates {
                     return None;
                 }
             }
-            self.runs.push(Run {
+            self.runs.push(BushingRun {
                 first,
                 length,
                 slot: 0,

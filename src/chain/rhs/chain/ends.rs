@@ -101,7 +101,7 @@ impl<'a, S: Simd> Arms<'a, S> {
 
 /// One end of each link of a SIMD vector.
 #[derive(Clone, Copy)]
-pub(super) struct End<S: Simd> {
+pub(super) struct LinkEnd<S: Simd> {
     pub(super) x: Lanes<S>,
     pub(super) y: Lanes<S>,
     pub(super) vx: Lanes<S>,
@@ -110,7 +110,7 @@ pub(super) struct End<S: Simd> {
     pub(super) spin: Lanes<S>,
 }
 
-impl<S: Simd> End<S> {
+impl<S: Simd> LinkEnd<S> {
     /// Return `here` shifted by one lane, with the first lane of `next` in the last lane.
     #[inline(always)]
     pub(super) fn moved_on(here: &Self, next: &Self, last_lane: Mask<S>) -> Self {

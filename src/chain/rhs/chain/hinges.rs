@@ -4,7 +4,7 @@
 use pulp::Simd;
 
 use super::ChainFound;
-use super::ends::End;
+use super::ends::LinkEnd;
 use super::losses::{HingeFriction, Lubricant};
 use crate::chain::rhs::bristles::{BristleLanes, Bristling};
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
@@ -218,7 +218,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
 
     /// Evaluate one vector of hinges; return whether contact is possible in any of them.
     #[inline(always)]
-    pub(super) fn evaluate(&mut self, i: usize, front: &End<S>, rear: &End<S>) -> bool {
+    pub(super) fn evaluate(&mut self, i: usize, front: &LinkEnd<S>, rear: &LinkEnd<S>) -> bool {
         let simd = self.clearance.simd();
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         self.place_bushings(i, front, rear);
@@ -335,7 +335,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
     /// Write centres and velocities of the bushings of these hinges; update their largest squared distance from the references,
     /// and their largest squared speed. Lanes behind the last hinge have neither.
     #[inline(always)]
-    fn place_bushings(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
+    fn place_bushings(&mut self, i: usize, front: &LinkEnd<S>, rear: &LinkEnd<S>) {
         let simd = self.clearance.simd();
         let on_front = load(simd, &self.on_front[i]).greater(Lanes::splat(simd, 0.0));
         let x = on_front.select(front.x, rear.x);

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::ends::End;
+use super::ends::LinkEnd;
 use super::hinges::Hinges;
 use crate::chain::rhs::slopes::{FilmGroup, group_of};
 use crate::force_law::{FilmForce, Friction, HingeFilm};
@@ -32,7 +32,7 @@ impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, co
     pub(super) fn add_film(
         &mut self,
         i: usize,
-        [front, rear]: [&End<S>; 2],
+        [front, rear]: [&LinkEnd<S>; 2],
         [ex, ey]: [Lanes<S>; 2],
         velocity: [Lanes<S>; 2],
         distance_squared: Lanes<S>,
@@ -98,7 +98,7 @@ impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, co
     pub(super) fn add_friction(
         &mut self,
         i: usize,
-        [front, rear]: [&End<S>; 2],
+        [front, rear]: [&LinkEnd<S>; 2],
         ([nx, ny], depth): ([Lanes<S>; 2], Lanes<S>),
         velocity: [Lanes<S>; 2],
         force: Lanes<S>,

@@ -5,7 +5,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::ends::End;
+use super::ends::LinkEnd;
 use super::hinges::{Hinges, Joints};
 use super::{ChainFound, RepeatBushings};
 use crate::chain::model::Model;
@@ -113,14 +113,14 @@ impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> WithSimd
                     there.select(value, zero)
                 }
             };
-            let roller = End {
+            let roller = LinkEnd {
                 x: x.at(i),
                 y: y.at(i),
                 vx: vx.at(i),
                 vy: vy.at(i),
                 spin: if FRICTION { spin.at(i) } else { zero },
             };
-            let bushing = End {
+            let bushing = LinkEnd {
                 x: of_bushing(place[0]),
                 y: of_bushing(place[1]),
                 vx: of_bushing(velocity[0]),

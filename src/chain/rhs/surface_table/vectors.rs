@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::{NOWHERE, Row, SurfaceTable};
+use super::{NOWHERE, SurfaceRow, SurfaceTable};
 use crate::chain::rhs::gap::{Gap, GapConstants, InGap};
 use crate::math::simd::{Lanes, Mask, splat_two};
 
@@ -23,17 +23,17 @@ impl GapConstants for SurfaceTable {
 
 /// Nearest row of each bushing.
 #[derive(Clone, Copy)]
-struct Found<S: Simd> {
+struct NearestSurface<S: Simd> {
     number: Lanes<S>,
     center: [Lanes<S>; 2],
     touch: Lanes<S>,
     side: Lanes<S>,
 }
 
-impl<S: Simd> Found<S> {
+impl<S: Simd> NearestSurface<S> {
     /// Return a table row in all lanes.
     #[inline(always)]
-    fn of(simd: S, number: usize, row: &Row) -> Self {
+    fn of(simd: S, number: usize, row: &SurfaceRow) -> Self {
         let splat = |value| Lanes::splat(simd, value);
         Self {
             number: splat(number as f64),
@@ -60,7 +60,7 @@ type OnLine<S> = (Mask<S>, Lanes<S>, [Lanes<S>; 2]);
 
 /// Nearest surface of each bushing, and position relative to its centre of curvature.
 pub(crate) struct NearestOfTable<S: Simd> {
-    found: Found<S>,
+    found: NearestSurface<S>,
     /// Bushings on left flanks.
     left: Mask<S>,
     /// Position of the bushing relative to the centre of curvature; u as on the right flank, v \[m\].
@@ -80,9 +80,9 @@ impl<S: Simd> TableVectors<'_, S> {
 
     /// Return the nearest of the rows `first` to `last`, which are adjacent surfaces.
     #[inline(always)]
-    fn scan(&self, first: usize, last: usize, [right, v]: [Lanes<S>; 2]) -> Found<S> {
+    fn scan(&self, first: usize, last: usize, [right, v]: [Lanes<S>; 2]) -> NearestSurface<S> {
         let rows = &self.table.rows;
-        let mut found = Found::of(self.simd, first, &rows[first]);
+        let mut found = NearestSurface::of(self.simd, first, &rows[first]);
         let mut past: Option<Mask<S>> = None;
         for (number, row) in rows.iter().enumerate().take(last + 1).skip(first + 1) {
             // A bushing is on this row or a later one if it is past the boundary to the row before and past all earlier boundaries.
@@ -93,7 +93,7 @@ impl<S: Simd> TableVectors<'_, S> {
                 Some(before) => before.and(within.not()),
                 None => within.not(),
             };
-            found = found.replaced(here, &Found::of(self.simd, number, row));
+            found = found.replaced(here, &NearestSurface::of(self.simd, number, row));
             past = Some(here);
         }
         found
@@ -111,7 +111,7 @@ impl<S: Simd> TableVectors<'_, S> {
 
     /// Return the nearest row of one flank, undamaged or damaged, and the penetration there.
     #[inline(always)]
-    fn flank(&self, left: bool, place: &InGap<S>, v: Lanes<S>) -> (Found<S>, Lanes<S>) {
+    fn flank(&self, left: bool, place: &InGap<S>, v: Lanes<S>) -> (NearestSurface<S>, Lanes<S>) {
         let table = self.table;
         let across = [if left { -place.u } else { place.u }, v];
         let mut found = self.scan(0, table.last, across);
@@ -137,7 +137,7 @@ impl<S: Simd> TableVectors<'_, S> {
     #[inline(always)]
     fn measure(
         &self,
-        found: Found<S>,
+        found: NearestSurface<S>,
         left: Mask<S>,
         [across, v]: [Lanes<S>; 2],
     ) -> NearestOfTable<S> {
@@ -179,7 +179,7 @@ impl<S: Simd> NearestOfTable<S> {
     /// Return the penetration: side (d - D) on arcs, linear on straight lines.
     #[inline(always)]
     fn depth(&self) -> Lanes<S> {
-        let Found { touch, side, .. } = self.found;
+        let NearestSurface { touch, side, .. } = self.found;
         let depth = side * (self.distance_squared.sqrt() - touch);
         match self.line {
             Some((lines, line_depth, _)) => lines.select(line_depth, depth),
@@ -270,7 +270,7 @@ impl<S: Simd> Gap<S> for TableVectors<'_, S> {
         place: &InGap<S>,
         velocity: [Lanes<S>; 2],
     ) -> [Lanes<S>; 2] {
-        let Found { touch, side, .. } = surface.found;
+        let NearestSurface { touch, side, .. } = surface.found;
         let [right, outward] = place.in_gap(surface.left, velocity);
         let scale = side * (self.splat(0.5) / touch);
         // Gap side (d² - D²)/(2 D) and its rate side (offset · velocity)/D.

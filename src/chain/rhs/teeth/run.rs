@@ -3,7 +3,7 @@
 use pulp::Simd;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
-use crate::chain::contact::{Run, SprocketCandidates, gap_of};
+use crate::chain::contact::{BushingRun, SprocketCandidates, gap_of};
 use crate::chain::model::SprocketModel;
 use crate::chain::rhs::bristles::BristleLanes;
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
@@ -54,7 +54,7 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
         slopes: Option<&'a mut ContactSlopes>,
         ends: &'a mut [Numbers; 2],
     ) -> Self {
-        let Run {
+        let BushingRun {
             first,
             length,
             slot,

@@ -156,20 +156,20 @@ fn only_a_circle_from_the_front_is_in_contact_behind_an_open_outline() {
     };
     let none = Memory::default();
     for (place, distance, memory, expected) in [
-        (Place::DeepAtEnd, -0.01, FROM_FRONT, true),
-        (Place::DeepAtEnd, -0.01, IN_CONTACT, false),
-        (Place::DeepAtEnd, -0.01, none, false),
-        (Place::Deep, -0.5, FROM_FRONT, true),
-        (Place::Deep, -0.01, IN_CONTACT, false),
-        (Place::Deep, -0.049, none, true),
-        (Place::Deep, -0.05, none, false),
-        (Place::Deep, -0.051, none, false),
-        (Place::Deep, -0.01, Memory::BEHIND, false),
-        (Place::Front, 0.05, none, true),
-        (Place::Front, 0.05, Memory::BEHIND, false),
-        (Place::Front, 0.11, Memory::BEHIND, true),
-        (Place::EndBack, 0.05, Memory::BEHIND, false),
-        (Place::EndFront, 0.05, IN_CONTACT, true),
+        (OutlinePlace::DeepAtEnd, -0.01, FROM_FRONT, true),
+        (OutlinePlace::DeepAtEnd, -0.01, IN_CONTACT, false),
+        (OutlinePlace::DeepAtEnd, -0.01, none, false),
+        (OutlinePlace::Deep, -0.5, FROM_FRONT, true),
+        (OutlinePlace::Deep, -0.01, IN_CONTACT, false),
+        (OutlinePlace::Deep, -0.049, none, true),
+        (OutlinePlace::Deep, -0.05, none, false),
+        (OutlinePlace::Deep, -0.051, none, false),
+        (OutlinePlace::Deep, -0.01, Memory::BEHIND, false),
+        (OutlinePlace::Front, 0.05, none, true),
+        (OutlinePlace::Front, 0.05, Memory::BEHIND, false),
+        (OutlinePlace::Front, 0.11, Memory::BEHIND, true),
+        (OutlinePlace::EndBack, 0.05, Memory::BEHIND, false),
+        (OutlinePlace::EndFront, 0.05, IN_CONTACT, true),
     ] {
         assert_eq!(
             may(&model, place, distance, memory),
@@ -178,7 +178,7 @@ fn only_a_circle_from_the_front_is_in_contact_behind_an_open_outline() {
         );
     }
     // Closed outlines have no back.
-    assert!(may(&closed, Place::Deep, -0.5, none));
+    assert!(may(&closed, OutlinePlace::Deep, -0.5, none));
 }
 
 #[test]
@@ -204,7 +204,10 @@ fn the_state_of_a_side_is_that_of_its_deepest_point() {
         ),
         (3.0, 2.0)
     );
-    assert_eq!((floor.piece, wall.piece, floor.place), (1, 2, Place::Front));
+    assert_eq!(
+        (floor.piece, wall.piece, floor.place),
+        (1, 2, OutlinePlace::Front)
+    );
     let behind = side(0, Memory::BEHIND).contact.penetration;
     assert_eq!(behind, f64::NEG_INFINITY);
     let deepest = contact.penetration(&here, &[Memory::default(); 2]);

@@ -6,7 +6,7 @@ use super::super::tests::{
 use super::*;
 use crate::math::testing::random;
 use crate::multibody::description::profile::Profile;
-use crate::multibody::forces::loads::Loads;
+use crate::multibody::forces::loads::BodyLoads;
 
 const RADIUS: f64 = 0.1;
 
@@ -135,7 +135,7 @@ fn passes(profile: &Profile, from_origin: f64, height: Height, parameter: f64) -
     let model = model(vec![contact(profile.clone(), RADIUS)]);
     let length = 0.1;
     let mut states = ContactStates::new(&model);
-    let mut loads = Loads::new(3, 6);
+    let mut loads = BodyLoads::new(3, 6);
     let ends = [0.0, 1.0].map(|part| {
         let [y, v, a] = height(part, parameter);
         let (v, a) = (v / length, a / (length * length));
@@ -262,7 +262,7 @@ fn any_of_several_contacts_is_found_in_a_step() {
     pairs[0].a.point.y = 20.0;
     let model = model(pairs.to_vec());
     let mut states = ContactStates::new(&model);
-    let mut loads = Loads::new(3, 6);
+    let mut loads = BodyLoads::new(3, 6);
     let ball = |y: f64, v: f64| [[0.0, RADIUS + y, 0.0], [0.0, v, 0.0], [0.0, 2.0, 0.0]];
     // y = -0.001 + t², from -0.1 s to 0.1 s.
     let (before, after) = (ball(0.009, -0.2), ball(0.009, 0.2));

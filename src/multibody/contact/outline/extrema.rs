@@ -1,11 +1,11 @@
 //! Local minima and maxima of the distance in their order along an outline, and the contact points among them.
 
-use super::{ContactPoint, Part, Place};
+use super::{ContactPoint, OutlinePart, OutlinePlace};
 use crate::geometry::{Vec2, direction};
 
 /// The extrema found so far along an outline.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct Extremum {
     first_least: Option<ContactPoint>,
     last_least: Option<ContactPoint>,
     /// The local maximum before the first local minimum of a closed outline.
@@ -18,7 +18,7 @@ pub(super) struct Found {
     nearest: Option<f64>,
 }
 
-impl Found {
+impl Extremum {
     /// Add a local minimum (`least`) or maximum in the order along the outline, and call `visit` with the contact points it completes.
     pub(super) fn add(
         &mut self,
@@ -61,7 +61,7 @@ impl Found {
     /// ∇w = 2 a/|arm|² (away - a/|arm|² arm). The point below the surface past the end has the weight 1 - w.
     pub(super) fn at_end(
         &mut self,
-        part: &Part,
+        part: &OutlinePart,
         arm: Vec2,
         away: Vec2,
         front: Vec2,
@@ -70,10 +70,10 @@ impl Found {
         let distance = arm.norm();
         let mut candidate = part.contact_point(distance, direction(arm, distance), 1.0 / distance);
         let height = arm.dot(&front);
-        candidate.place = Place::EndFront;
+        candidate.place = OutlinePlace::EndFront;
         if height < 0.0 {
             let (along, square) = (arm.dot(&away).max(0.0), distance * distance);
-            candidate.place = Place::EndBack;
+            candidate.place = OutlinePlace::EndBack;
             candidate.weight = along * along / square;
             candidate.weight_gradient = (away - along / square * arm) * (2.0 * along / square);
             visit(&ContactPoint {
@@ -82,7 +82,7 @@ impl Found {
                 weight: 1.0 - candidate.weight,
                 weight_gradient: -candidate.weight_gradient,
                 bend: 0.0,
-                place: Place::DeepAtEnd,
+                place: OutlinePlace::DeepAtEnd,
                 ..candidate
             });
         }
@@ -107,7 +107,7 @@ impl Found {
             && self.nearest.is_none_or(|nearest| -deep.distance <= nearest)
         {
             visit(&ContactPoint {
-                place: Place::Deep,
+                place: OutlinePlace::Deep,
                 ..deep
             });
         }

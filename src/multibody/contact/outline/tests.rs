@@ -21,8 +21,8 @@ fn sum(outline: &Outline, point: Vec2, radius: f64) -> (f64, Vec2) {
     outline.contact_points(point, radius, |b| {
         let depth = (radius - b.distance).max(0.0);
         // A circle behind an open outline is not in contact here: it did not come through the surface.
-        let behind = outline.is_open() && b.place == Place::Deep;
-        if b.place != Place::DeepAtEnd && !behind {
+        let behind = outline.is_open() && b.place == OutlinePlace::Deep;
+        if b.place != OutlinePlace::DeepAtEnd && !behind {
             let stored = depth.powf(2.5) / 2.5;
             energy += b.weight * stored;
             force += b.weight * depth.powf(1.5) * b.outward - stored * b.weight_gradient;
@@ -554,7 +554,7 @@ fn near_points_are_those_within_two_radii_unless_there_are_none() {
                 let of = |points: &[ContactPoint]| {
                     points
                         .iter()
-                        .filter(|b| b.place != Place::Deep)
+                        .filter(|b| b.place != OutlinePlace::Deep)
                         .copied()
                         .collect::<Vec<_>>()
                 };
@@ -584,17 +584,20 @@ fn past_either_end_of_a_line_a_circle_is_in_front_or_behind_by_the_side_of_its_c
             places
         };
         let far = f64::hypot(0.05, 0.02);
-        let assert_places = |found: &[(Place, f64)], expected: &[(Place, f64)]| {
+        let assert_places = |found: &[(OutlinePlace, f64)], expected: &[(OutlinePlace, f64)]| {
             assert_eq!(found.len(), expected.len());
             for (found, expected) in found.iter().zip(expected) {
                 assert!(found.0 == expected.0 && (found.1 - expected.1).abs() < 1e-15);
             }
         };
         // The other end is no minimum of the distance.
-        assert_places(&places(0.02), &[(Place::EndFront, far)]);
+        assert_places(&places(0.02), &[(OutlinePlace::EndFront, far)]);
         assert_places(
             &places(-0.02),
-            &[(Place::DeepAtEnd, -0.02), (Place::EndBack, far)],
+            &[
+                (OutlinePlace::DeepAtEnd, -0.02),
+                (OutlinePlace::EndBack, far),
+            ],
         );
     }
 }
