@@ -8,7 +8,7 @@ use super::many_sprockets::Around;
 use super::open_layout;
 use super::report::Layout;
 use super::strand_motion;
-use super::two_sprockets::Place;
+use super::two_sprockets::TwoSprocketDrive;
 use crate::drive::Drive;
 use crate::drive::bushing_on_front;
 use crate::error::{Error, Result};
@@ -131,7 +131,7 @@ impl InitialConfiguration {
             return open_layout::lay(drive, ends);
         }
         if drive.sprockets.len() == 2 && drive.sprockets.iter().all(|s| s.side == Side::Inside) {
-            let place = Place::new(drive)?;
+            let place = TwoSprocketDrive::new(drive)?;
             let path = place.find_path()?;
             let layout = place.layout(&path)?;
             return Ok((place.start(&path, &layout), layout));
@@ -255,7 +255,7 @@ pub(super) fn link_between([rear, front]: [Vec2; 2], speeds: [Vec2; 2]) -> [[f64
     [[center.x, center.y, angle], [velocity.x, velocity.y, spin]]
 }
 
-impl Place<'_> {
+impl TwoSprocketDrive<'_> {
     fn start(&self, path: &Path, layout: &Layout) -> InitialConfiguration {
         let origin = self.sprockets[0].center;
         let to_world = |p: Vec2| p.x * self.axis + p.y * turned_left(self.axis);

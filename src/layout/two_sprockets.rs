@@ -14,7 +14,7 @@ use crate::geometry::path::wrap::{Path, Split, Strand, Wheel};
 use crate::geometry::{ToothProfile, Vec2, turned_left};
 
 /// A drive seen along its line of centres.
-pub(super) struct Place<'a> {
+pub(super) struct TwoSprocketDrive<'a> {
     pub(super) drive: &'a Drive,
     pub(super) sprockets: [&'a Sprocket; 2],
     profiles: [ToothProfile; 2],
@@ -23,7 +23,7 @@ pub(super) struct Place<'a> {
     pub(super) axis: Vec2,
 }
 
-impl<'a> Place<'a> {
+impl<'a> TwoSprocketDrive<'a> {
     pub(super) fn new(drive: &'a Drive) -> Result<Self> {
         let chain = &drive.chain;
         let sprockets = [&drive.sprockets[0], &drive.sprockets[1]];

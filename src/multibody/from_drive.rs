@@ -15,7 +15,7 @@ pub(crate) mod tensioner;
 use super::description::body::Frame;
 use super::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, GROUND, Joint, JointKind, Marker,
-    Mechanism, Motion, Profile, Tribology,
+    Mechanism, PrescribedMotion, Profile, Tribology,
 };
 use crate::drive::{Bearing, Drive, HingeKind, SprocketMotion, bushing_on_front};
 use crate::error::{Error, Result, check};
@@ -143,7 +143,7 @@ impl Mechanism {
         let name = motor_name(number);
         let (torque, curve) = match &drive.sprockets[number].motion {
             SprocketMotion::PrescribedSpeed(speed) => {
-                let kind = JointKind::DrivenAngle(Motion::Speed(speed.clone()));
+                let kind = JointKind::DrivenAngle(PrescribedMotion::Speed(speed.clone()));
                 self.joints.push(Joint::new(name, ground, wheel, kind));
                 return;
             }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::assembly::projection::AtHand;
 use super::constraints::equation::Equation;
 use super::contact::onset::StepMotion;
-use super::description::driver::Motion;
+use super::description::driver::PrescribedMotion;
 use super::description::force_element::{Force, ForceKind};
 use super::description::joint::Joint;
 use super::dynamics::MechanismDynamics;
@@ -112,8 +112,10 @@ impl MechanismModel {
             return Err(unknown("driver", name, known));
         };
         match driver(joint) {
-            Some((equation, Motion::Speed(speed), offset)) => Ok((equation, speed, offset)),
-            Some((_, Motion::Position(_), _)) => Err(Error::invalid(
+            Some((equation, PrescribedMotion::Speed(speed), offset)) => {
+                Ok((equation, speed, offset))
+            }
+            Some((_, PrescribedMotion::Position(_), _)) => Err(Error::invalid(
                 "driver",
                 format!("{name:?}"),
                 "prescribes a coordinate: describe it with speed=... to set its speed",
@@ -153,7 +155,7 @@ impl MechanismModel {
                 offset,
             } => {
                 let equation = self.equations.get_mut(*equation)?;
-                let Some(Motion::Speed(present)) = &mut equation.motion else {
+                let Some(PrescribedMotion::Speed(present)) = &mut equation.motion else {
                     return None;
                 };
                 std::mem::swap(present, signal);

@@ -26,7 +26,7 @@ pub use assembly::placement::Assembly;
 pub use description::body::{Body, Marker};
 pub use description::contact_law::ContactLaw;
 pub use description::contact_pair::ContactPair;
-pub use description::driver::Motion;
+pub use description::driver::PrescribedMotion;
 pub use description::force_element::{CustomForce, ForceElement, ForceKind, LoadFunction};
 pub use description::joint::{Joint, JointKind};
 pub use description::outline_piece::Piece;

@@ -350,10 +350,13 @@ impl MechanismModel {
 /// Return the equation with its prescribed motion. A motion given by its speed starts from the initial position.
 fn driven(
     mut equation: Equation,
-    motion: &super::description::driver::Motion,
+    motion: &super::description::driver::PrescribedMotion,
     frames: &[Frame],
 ) -> Equation {
-    if matches!(motion, super::description::driver::Motion::Speed(_)) {
+    if matches!(
+        motion,
+        super::description::driver::PrescribedMotion::Speed(_)
+    ) {
         equation.offset = equation.quantity(frames);
     }
     equation.motion = Some(motion.clone());

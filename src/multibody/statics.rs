@@ -2,7 +2,7 @@
 
 use super::assembly::projection::AtHand;
 use super::contact::compiled_contact::CompiledContact;
-use super::description::driver::Motion;
+use super::description::driver::PrescribedMotion;
 use super::description::force_element::ForceKind;
 use super::dynamics::MechanismDynamics;
 use super::forces::loads::BodyLoads;
@@ -26,7 +26,7 @@ impl MechanismModel {
     pub(crate) fn held(mut self) -> Self {
         for motion in self.equations.iter_mut().filter_map(|e| e.motion.as_mut()) {
             let [place, _, _] = motion.derivatives(0.0);
-            *motion = Motion::Position(place.into());
+            *motion = PrescribedMotion::Position(place.into());
         }
         let frames = self.start_frames();
         for force in &mut self.forces {

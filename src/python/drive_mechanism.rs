@@ -10,7 +10,7 @@ use crate::geometry::Vec2;
 use crate::math::{Signal, Table};
 use crate::multibody::{
     Body, ContactLaw, ContactPair, DriveContacts, ForceElement, ForceKind, Joint, JointKind,
-    Mechanism, Motion, Profile, SpringLaw,
+    Mechanism, PrescribedMotion, Profile, SpringLaw,
 };
 use crate::panics::contained;
 
@@ -105,7 +105,7 @@ fn joint<'py>(py: Python<'py>, part: &Joint) -> PyResult<Call<'py>> {
             keywords.set_item("direction", pair(*direction))?;
             "add_point_on_line"
         }
-        JointKind::DrivenAngle(Motion::Speed(speed)) => {
+        JointKind::DrivenAngle(PrescribedMotion::Speed(speed)) => {
             keywords.set_item("speed", signal_object(py, speed)?)?;
             "add_driver"
         }

@@ -14,8 +14,8 @@ use super::mechanism_contact::contact;
 use super::starts::interrupted;
 use crate::layout::InitialConfiguration;
 use crate::multibody::{
-    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
-    PinFriction, SpringLaw,
+    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel,
+    PinFriction, PrescribedMotion, SpringLaw,
 };
 use crate::panics::contained;
 use crate::run::{AnySimulation, MechanismSimulation};
@@ -177,12 +177,12 @@ fn pin_friction(read: &Reader<'_, '_>) -> PyResult<Option<PinFriction>> {
     }
 }
 
-fn motion(read: &Reader<'_, '_>) -> PyResult<Motion> {
+fn motion(read: &Reader<'_, '_>) -> PyResult<PrescribedMotion> {
     let function = signal(&read.get("motion")?, "motion", "its unit")?;
     Ok(if truth(&read.get("by_speed")?, "by_speed")? {
-        Motion::Speed(function)
+        PrescribedMotion::Speed(function)
     } else {
-        Motion::Position(function)
+        PrescribedMotion::Position(function)
     })
 }
 

@@ -42,7 +42,7 @@ pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
 }
 
 /// Positions, velocities and surfaces at which a run begins: arguments of Python.
-pub(super) type Place<'a, 'py> = (
+pub(super) type StartArguments<'a, 'py> = (
     Option<&'a PyReadonlyArray2<'py, f64>>,
     Option<&'a PyReadonlyArray2<'py, f64>>,
     Vec<[usize; 3]>,
@@ -59,7 +59,7 @@ pub(super) struct DriveScene {
 
 impl DriveScene {
     /// Read a `Scene` that has a drive.
-    pub(super) fn new(scene: &Bound<'_, PyAny>, place: Place<'_, '_>) -> PyResult<Self> {
+    pub(super) fn new(scene: &Bound<'_, PyAny>, place: StartArguments<'_, '_>) -> PyResult<Self> {
         let drive = drive_of(scene)?;
         Ok(Self {
             laws: describe::force_laws(scene)?,
@@ -103,7 +103,7 @@ pub(super) fn drive_of(scene: &Bound<'_, PyAny>) -> PyResult<Drive> {
 fn own_start(
     py: Python<'_>,
     drive: &Drive,
-    (positions, velocities, surfaces): Place<'_, '_>,
+    (positions, velocities, surfaces): StartArguments<'_, '_>,
 ) -> PyResult<Option<InitialConfiguration>> {
     let positions = rows("positions", positions)?;
     let velocities = rows("velocities", velocities)?;

@@ -9,7 +9,7 @@ use rustchain::integrator::StepControl;
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismGroups,
-    MechanismModel, Motion, SpringLaw,
+    MechanismModel, PrescribedMotion, SpringLaw,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -174,7 +174,7 @@ pub fn slider_crank(speed: f64) -> Mechanism {
         direction: Vec2::new(1.0, 0.0),
         angle: None,
     };
-    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(speed)));
+    let motor = JointKind::DrivenAngle(PrescribedMotion::Speed(Signal::Constant(speed)));
     Mechanism {
         gravity: Vec2::zeros(),
         bodies: vec![crank, rod, block],

@@ -11,7 +11,7 @@ use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, FrictionLaw, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, Motion, Profile, Tribology,
+    MechanismModel, PrescribedMotion, Profile, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -242,7 +242,7 @@ fn the_onset_is_that_of_the_crossing_whatever_the_tolerance() {
                 "no turning",
                 ground(0.0, 0.0),
                 Marker::new("pin", 0.0, 0.0),
-                JointKind::DrivenAngle(Motion::Position(Signal::Constant(0.0))),
+                JointKind::DrivenAngle(PrescribedMotion::Position(Signal::Constant(0.0))),
             )],
             ..machine(clearance, Elastic::Hertz)
         };

@@ -12,7 +12,8 @@ use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, FrictionLaw, Joint, JointKind, Marker,
-    Mechanism, MechanismDynamics, MechanismModel, Motion, PinFriction, Profile, Tribology,
+    Mechanism, MechanismDynamics, MechanismModel, PinFriction, PrescribedMotion, Profile,
+    Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -292,7 +293,7 @@ fn journal(ratio: f64, mass: f64, load: [f64; 2]) -> Mechanism {
             "motor",
             ground(0.0, 0.0),
             Marker::new("journal", 0.0, 0.0),
-            JointKind::DrivenAngle(Motion::Speed(Signal::Constant(SPIN))),
+            JointKind::DrivenAngle(PrescribedMotion::Speed(Signal::Constant(SPIN))),
         )],
         forces: vec![ForceElement {
             name: "load".into(),

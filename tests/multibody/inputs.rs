@@ -10,7 +10,8 @@ use rustchain::force_law::Elastic;
 use rustchain::geometry::Vec2;
 use rustchain::math::{Signal, Table};
 use rustchain::multibody::{
-    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismGroups, Motion,
+    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismGroups,
+    PrescribedMotion,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -32,7 +33,7 @@ fn flywheel(torque: impl Into<Signal>) -> Mechanism {
     }
 }
 
-fn driver(name: &str, motion: Motion) -> Joint {
+fn driver(name: &str, motion: PrescribedMotion) -> Joint {
     let kind = JointKind::DrivenAngle(motion);
     Joint::new(name, ground(0.0, 0.0), shaft(), kind)
 }
@@ -255,14 +256,14 @@ fn what_cannot_be_set_is_refused_by_name_and_nothing_is_changed() {
     };
     let curve = Table::new("curve", "N m", &[(0.0, 1.0), (9.0, 0.0)]).unwrap();
     mechanism.joints.extend([
-        driver("speed", Motion::Speed(4.0.into())),
+        driver("speed", PrescribedMotion::Speed(4.0.into())),
         revolute("pin", ground(1.0, 0.0), other()),
         Joint::new("gear", shaft(), other(), gear),
         Joint::new(
             "geared",
             ground(0.0, 0.0),
             other(),
-            JointKind::DrivenAngle(Motion::Speed((-8.0).into())),
+            JointKind::DrivenAngle(PrescribedMotion::Speed((-8.0).into())),
         ),
     ]);
     mechanism.forces.push(ForceElement::new(
@@ -301,7 +302,9 @@ fn what_cannot_be_set_is_refused_by_name_and_nothing_is_changed() {
         offset: 0.0,
         terms: vec![[0.1, 3.0, 0.0]],
     };
-    placed.joints.push(driver("angle", Motion::Position(turn)));
+    placed
+        .joints
+        .push(driver("angle", PrescribedMotion::Position(turn)));
     let found = refused(&mut simulation(&placed, 1e-9), "angle", Speed, 1.0);
     assert!(found.contains("prescribes a coordinate"), "{found}");
 }

@@ -10,7 +10,7 @@ use rustchain::geometry::Vec2;
 use rustchain::math::{Signal, Spline, Table};
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, Motion, Profile, SpringLaw, Tribology,
+    MechanismModel, PrescribedMotion, Profile, SpringLaw, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 use std::sync::Arc;
@@ -124,7 +124,7 @@ fn a_planet_turns_on_its_carrier() {
         ratio: -2.0,
         carrier: Some("arm".into()),
     };
-    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(1.5)));
+    let motor = JointKind::DrivenAngle(PrescribedMotion::Speed(Signal::Constant(1.5)));
     let mut machine = simulation(
         &without_gravity(
             vec![
@@ -240,7 +240,7 @@ fn a_rod_of_next_to_no_mass_is_a_distance() {
         "no turning",
         ground(0.0, 0.0),
         bob(),
-        JointKind::DrivenAngle(Motion::Position(Signal::Constant(0.0))),
+        JointKind::DrivenAngle(PrescribedMotion::Position(Signal::Constant(0.0))),
     ));
     let with_distance = swing(distance, vec![]);
     assert!((with_rod[0] - with_distance[0]).abs() < 1e-8);
@@ -253,7 +253,7 @@ fn a_driven_position_follows_its_spline_and_its_force_moves_the_mass() {
     let spline = Spline::new("way", "m", &[(0.0, 0.0), (0.4, 0.1), (1.0, -0.2)]).unwrap();
     let drive = JointKind::DrivenPosition {
         direction: Vec2::new(0.0, 1.0),
-        motion: Motion::Position(Signal::Spline(spline.clone())),
+        motion: PrescribedMotion::Position(Signal::Spline(spline.clone())),
     };
     let along = JointKind::Prismatic {
         direction: Vec2::new(0.0, 1.0),
@@ -434,7 +434,7 @@ fn what_cannot_go_together_is_refused_with_the_joints_at_fault() {
 #[test]
 fn drivers_that_contradict_each_other_are_refused() {
     let mut mechanism = slider_crank(10.0);
-    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(11.0)));
+    let motor = JointKind::DrivenAngle(PrescribedMotion::Speed(Signal::Constant(11.0)));
     mechanism.joints.push(Joint::new(
         "second motor",
         ground(0.0, 0.0),
@@ -511,7 +511,7 @@ fn a_jammed_mechanism_stops_with_the_time_and_the_joints() {
     let (middle, span) = (0.5 * (crank + foot), foot - crank);
     let rise = (1.0 - 0.25 * span.norm_squared()).sqrt();
     let knee = middle + rise * Vec2::new(-span.y, span.x) / span.norm();
-    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(1.0)));
+    let motor = JointKind::DrivenAngle(PrescribedMotion::Speed(Signal::Constant(1.0)));
     let end = |name: &str, side: f64| Marker::new(name, 0.5 * side, 0.0);
     let mechanism = without_gravity(
         vec![

@@ -13,8 +13,8 @@ use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl
 use rustchain::math::{Signal, Table};
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, CustomForce, ForceElement, ForceKind, FrictionLaw, Joint,
-    JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Motion, Piece, PinFriction,
-    Profile, SpringLaw, Tribology,
+    JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Piece, PinFriction,
+    PrescribedMotion, Profile, SpringLaw, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -117,7 +117,7 @@ fn joints() -> Vec<Joint> {
             "motor",
             ground(0.0, 0.0),
             marker("e", 0.0, 0.0),
-            JointKind::DrivenAngle(Motion::Position(waves())),
+            JointKind::DrivenAngle(PrescribedMotion::Position(waves())),
         ),
         joint(
             "ram",
@@ -125,7 +125,7 @@ fn joints() -> Vec<Joint> {
             marker("f", 0.2, 0.1),
             JointKind::DrivenPosition {
                 direction: ALONG,
-                motion: Motion::Speed(waves()),
+                motion: PrescribedMotion::Speed(waves()),
             },
         ),
     ]
@@ -570,7 +570,7 @@ fn as_mechanism(
     }
     let center = positions[links];
     let axle = ground(center[0], center[1]);
-    let motor = JointKind::DrivenAngle(Motion::Speed(velocities[links][2].into()));
+    let motor = JointKind::DrivenAngle(PrescribedMotion::Speed(velocities[links][2].into()));
     let slide = JointKind::PointOnLine {
         direction: Vec2::new(1.0, 0.0),
     };

@@ -8,7 +8,7 @@ use crate::common::mechanisms::{Rows, bar_chain, four_bars, ground, run_to};
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
-    Joint, JointKind, Marker, Mechanism, MechanismGroups, MechanismModel, Motion,
+    Joint, JointKind, Marker, Mechanism, MechanismGroups, MechanismModel, PrescribedMotion,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -37,7 +37,7 @@ fn turning(windows: usize, speed: f64) -> Mechanism {
 /// The same with a motor on the first post.
 fn driven(windows: usize, speed: f64) -> Mechanism {
     let mut mechanism = turning(windows, speed);
-    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(-speed)));
+    let motor = JointKind::DrivenAngle(PrescribedMotion::Speed(Signal::Constant(-speed)));
     let post = Marker::new("post 0", 0.0, 0.0);
     let motor = Joint::new("motor", ground(0.0, 0.0), post, motor);
     mechanism.joints.push(motor);

@@ -8,8 +8,8 @@ use crate::common::mechanisms::{
 };
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
-    Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
-    Profile, Tribology,
+    Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel,
+    PrescribedMotion, Profile, Tribology,
 };
 use rustchain::run::MechanismSimulation;
 
@@ -64,7 +64,7 @@ fn a_start_in_one_line_is_told_unless_velocities_say_how_it_goes_on() {
         "motor",
         ground(0.0, 0.0),
         Marker::new("left", 0.0, 0.0),
-        JointKind::DrivenAngle(Motion::Speed(3.0.into())),
+        JointKind::DrivenAngle(PrescribedMotion::Speed(3.0.into())),
     ));
     assert!(told(&warnings(&placed), line));
     for body in &mut placed.bodies[..2] {

@@ -68,7 +68,7 @@ pub(super) fn hinge_numbers(hinges: usize) -> Numbers {
 
 /// One hinge of each of the eight parts.
 #[derive(Debug, Clone, Copy, Default)]
-struct Place {
+struct PartBlocks {
     /// S; after elimination the inverse of the reduced S.
     own: [Octet; 3],
     /// C; after elimination the coefficients of the last hinge of the previous part in the unknowns of this hinge.
@@ -97,7 +97,7 @@ pub(super) struct Ring {
     full: usize,
     /// Number of places per part; `places` and `unknowns` have some more, whose values are not used.
     count: usize,
-    places: Vec<Place>,
+    places: Vec<PartBlocks>,
     /// Couplings of the second places with the previous part, for parts with an empty first place.
     direct: [Octet; 4],
     rounds: [Round; 2],
@@ -123,7 +123,7 @@ impl Ring {
             starts: std::array::from_fn(start),
             full,
             count,
-            places: vec![Place::default(); count + WIDTH],
+            places: vec![PartBlocks::default(); count + WIDTH],
             direct: none,
             rounds: [Round::default(); 2],
             opposite: none,
@@ -228,7 +228,7 @@ impl Ring {
             let mut edge = Block::read(simd, &self.places[0].before, part);
             let mut to_last = Symmetric::zero(simd);
             // With E the coupling of place j with the last hinge of the previous part, S and E already reduced: f_j = S⁻¹ r_j - S⁻¹
-            // C_(j+1)^T f_(j+1) - S⁻¹ E f_last. Place j + 1 gets S_(j+1) - C_(j+1) S⁻¹ C_(j+1)^T and E' = -C_(j+1) S⁻¹ E. The last
+            // C_(j+1)^T f_(j+1) - S⁻¹ E f_last. Hinge j + 1 gets S_(j+1) - C_(j+1) S⁻¹ C_(j+1)^T and E' = -C_(j+1) S⁻¹ E. The last
             // hinge of the previous part loses E^T S⁻¹ E.
             for j in 0..last {
                 let inverse = own.inverse(&mut left.irregular);

@@ -9,7 +9,7 @@ mod layout;
 use std::f64::consts::PI;
 
 use crate::geometry::Vec2;
-use layout::Layout;
+use layout::WrapLayout;
 
 /// What the path needs to know of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -172,7 +172,7 @@ pub fn taut_path(pitch: f64, wheels: [Wheel; 2], links: u32) -> Option<Path> {
     let teeth = wheels.map(|w| w.teeth);
     let guess = belt_center_distance(pitch, teeth, links)?;
     let split = even_split(seated_pitches(pitch, teeth, guess), links)?;
-    let layout = Layout {
+    let layout = WrapLayout {
         pitch,
         wheels,
         split,
@@ -191,7 +191,7 @@ pub fn path_at(
     center_distance: f64,
     slack_strand: Strand,
 ) -> Option<Path> {
-    let layout = Layout {
+    let layout = WrapLayout {
         pitch,
         wheels,
         split,

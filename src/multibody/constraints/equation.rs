@@ -2,7 +2,7 @@
 
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::{End, Frame};
-use crate::multibody::description::driver::Motion;
+use crate::multibody::description::driver::PrescribedMotion;
 
 /// Quantity that an equation constrains. Points a and b are the joint's ends; directions are in the frame of body a.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +32,7 @@ pub(crate) struct Equation {
     /// Carrier of a gear; the ground (0) otherwise.
     pub(crate) carrier: usize,
     pub(crate) offset: f64,
-    pub(crate) motion: Option<Motion>,
+    pub(crate) motion: Option<PrescribedMotion>,
 }
 
 /// An equation at one state: c, its row of `Φ_q` for up to three bodies, `∂c/∂t` and γ of `Φ_q` q'' = γ.
@@ -254,7 +254,7 @@ mod tests {
                 },
                 carrier: 2,
                 offset: 0.05,
-                motion: Some(Motion::Position(Signal::Sines {
+                motion: Some(PrescribedMotion::Position(Signal::Sines {
                     offset: 0.0,
                     terms: vec![[0.3, 2.0, 0.1]],
                 })),

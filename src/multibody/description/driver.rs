@@ -5,14 +5,14 @@ use crate::math::Signal;
 
 /// Motion of a relative coordinate prescribed by a driver.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Motion {
+pub enum PrescribedMotion {
     /// The coordinate itself; its first two derivatives must be continuous.
     Position(Signal),
     /// Its rate; the initial value of the coordinate is that of the initial configuration.
     Speed(Signal),
 }
 
-impl Motion {
+impl PrescribedMotion {
     /// Return the coordinate (for a speed: its change since time zero) and its first two derivatives.
     pub(crate) fn derivatives(&self, t: f64) -> [f64; 3] {
         match self {
@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn a_position_with_corners_is_refused() {
-        let motion = Motion::Position(Signal::ramp(0.0, 1.0, 0.0, 1.0).unwrap());
+        let motion = PrescribedMotion::Position(Signal::ramp(0.0, 1.0, 0.0, 1.0).unwrap());
         let error = motion.validate("driver").unwrap_err();
         assert!(error.to_string().contains("spline"));
     }

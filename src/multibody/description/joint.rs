@@ -1,7 +1,7 @@
 //! Description of ideal joints and drivers.
 
 use super::body::Marker;
-use super::driver::Motion;
+use super::driver::PrescribedMotion;
 use super::tribology::PinFriction;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
@@ -63,13 +63,13 @@ pub enum JointKind {
         radius: f64,
     },
     /// A motor: the angle of `b` less that of `a` is prescribed by a motion.
-    DrivenAngle(Motion),
+    DrivenAngle(PrescribedMotion),
     /// An actuator: the displacement of point b along a line from point a is prescribed by a motion.
     DrivenPosition {
         /// Direction of the line in the frame of `a`.
         direction: Vec2,
         /// Displacement along the line \[m\].
-        motion: Motion,
+        motion: PrescribedMotion,
     },
 }
 

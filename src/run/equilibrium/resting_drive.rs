@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::settling::Resting;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::{Model, Rotation, SprocketModel};
-use crate::chain::motion::Motion as Places;
+use crate::chain::motion::Motion;
 use crate::geometry::{Vec2, turned_left, unit};
 use crate::integrator::SecondOrderSystem;
 use crate::layout::InitialConfiguration;
@@ -47,7 +47,7 @@ fn applied_force(model: &Model) -> f64 {
 /// Drive at rest.
 pub(super) struct RestingDrive {
     pub(super) dynamics: Dynamics,
-    pub(super) places: Places,
+    pub(super) places: Motion,
     pub(super) y: Vec<f64>,
     rates: Vec<f64>,
     /// Largest external force \[N\].
@@ -58,7 +58,7 @@ pub(super) struct RestingDrive {
 impl RestingDrive {
     /// `frictional`: the drive has friction, which `model` leaves out.
     pub(super) fn new(model: Arc<Model>, start: &InitialConfiguration, frictional: bool) -> Self {
-        let mut places = Places::new(model.bodies());
+        let mut places = Motion::new(model.bodies());
         places.set(&start.positions, &start.velocities);
         let mut y = vec![0.0; 2 * model.coordinates];
         places.write(&model, &mut y);

@@ -6,7 +6,7 @@ use super::resting_drive::RestingDrive;
 use super::resting_mechanism::RestingMechanism;
 use super::settling::Resting;
 use crate::chain::model::Rotation;
-use crate::chain::motion::Motion as Places;
+use crate::chain::motion::Motion;
 use crate::integrator::SecondOrderSystem;
 use crate::layout::InitialConfiguration;
 
@@ -81,7 +81,7 @@ impl RestingDrive {
         self.dynamics.evaluated.motion.set(positions, &still);
         self.dynamics.evaluate_motion(0.0);
         let found = &self.dynamics.evaluated.accelerations;
-        let mut bodies = Places::new(model.bodies());
+        let mut bodies = Motion::new(model.bodies());
         let rates: Vec<[f64; 3]> = (0..model.bodies())
             .map(|i| [found.x[i], found.y[i], found.angle[i]])
             .collect();

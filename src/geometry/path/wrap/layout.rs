@@ -7,13 +7,13 @@ use crate::geometry::path::bow::Bow;
 use crate::geometry::{Vec2, turned_left, unit};
 
 /// Both sprockets in their places, for strands of given pitches.
-pub(super) struct Layout {
+pub(super) struct WrapLayout {
     pub(super) pitch: f64,
     pub(super) wheels: [Wheel; 2],
     pub(super) split: Split,
 }
 
-impl Layout {
+impl WrapLayout {
     /// First seat angles for a shift \[m of arc\] of both sprockets that shortens the upper and lengthens the lower strand.
     fn first_seats(&self, shift: f64) -> [f64; 2] {
         let [first, second] = self.wheels;
@@ -175,8 +175,8 @@ mod tests {
 
     // Newton's method ends at rounding errors: 1e-16 of the distance, times the slope of a strand's length, below 5.
     /// Two wheels of 16 teeth with eight pitches on each.
-    fn layout(pitch: f64, strands: [u32; 2]) -> Layout {
-        Layout {
+    fn layout(pitch: f64, strands: [u32; 2]) -> WrapLayout {
+        WrapLayout {
             pitch,
             wheels: [Wheel::on_pitch_circle(pitch, 16); 2],
             split: Split {
@@ -242,7 +242,7 @@ mod tests {
             seated: [57, 1],
             strands: [1, 1],
         };
-        let layout = Layout {
+        let layout = WrapLayout {
             pitch,
             wheels,
             split,

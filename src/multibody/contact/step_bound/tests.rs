@@ -11,7 +11,7 @@ use crate::math::testing::random;
 use crate::math::{Signal, Table};
 use crate::multibody::MechanismDynamics;
 use crate::multibody::description::body::Marker;
-use crate::multibody::description::driver::Motion;
+use crate::multibody::description::driver::PrescribedMotion;
 use crate::multibody::description::force_element::{ForceElement, ForceKind};
 use crate::multibody::description::joint::{Joint, JointKind};
 use crate::multibody::description::profile::Profile;
@@ -272,7 +272,7 @@ fn the_longest_step_ends_at_the_nearest_of_contact_kink_of_a_force_and_kink_of_a
             "drive",
             ground(),
             block(),
-            JointKind::DrivenAngle(Motion::Speed(ramp(driver))),
+            JointKind::DrivenAngle(PrescribedMotion::Speed(ramp(driver))),
         )];
         let model = Arc::new(MechanismModel::compile(&described).unwrap());
         let dynamics = MechanismDynamics::new(model);
