@@ -171,13 +171,13 @@ mod tests {
     /// The bound is the error of the solver: that of the exponent passed to exp, and that of δ/`δ_end` near the end.
     fn assert_as_solved(pair: &[f64; 2], penetrations: &[f64]) {
         for_each_force(Logarithmic, pair, penetrations, |set, d, force| {
-            let twin = solved(pair, d);
-            let exponent = (pair[0] * pair[1] / twin).ln();
+            let reference = solved(pair, d);
+            let exponent = (pair[0] * pair[1] / reference).ln();
             let to_end = 1.0 - d / pair[0];
             let bound = 1.2e-15 + 5e-16 * exponent + 1e-16 / to_end.max(f64::EPSILON).sqrt();
             assert!(
-                (force / twin - 1.0).abs() <= bound,
-                "{set} at {d:e}: {force:e} {twin:e}"
+                (force / reference - 1.0).abs() <= bound,
+                "{set} at {d:e}: {force:e} {reference:e}"
             );
         });
     }

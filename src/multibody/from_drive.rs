@@ -30,7 +30,7 @@ pub struct DriveContacts {
     /// Elastic force and damping.
     pub law: ForceLaw,
     /// Lower bound on the initial impact velocity used by the damping factor \[m/s\].
-    pub min_approach_speed: f64,
+    pub min_impact_velocity: f64,
     /// Friction of all contacts; lubricant film of hinges with clearance.
     pub tribology: Tribology,
 }
@@ -171,7 +171,7 @@ impl Mechanism {
             contact_modulus: chain.material.contact_modulus(),
             restitution: chain.material.restitution,
             length,
-            min_approach_speed: contacts.min_approach_speed,
+            min_impact_velocity: contacts.min_impact_velocity,
         };
         let profiles = (drive.sprockets.iter())
             .map(|sprocket| sprocket.tooth_profile(chain))

@@ -253,7 +253,9 @@ impl MechanismDynamics {
         let bent = self.contacts.bristles.deflection.clone();
         let jumps = matches!(input, MechanismInput::Speed { .. });
         if jumps && !(self.projector()).project(t, &mut state, ITERATIONS, AtHand::Nothing) {
-            let residuals = self.constraints.what_misses(&self.model, &self.frames);
+            let residuals = self
+                .constraints
+                .largest_residuals(&self.model, &self.frames);
             Arc::make_mut(&mut self.model).exchange(&mut replaced);
             return Err(Error::invalid(
                 "driver",

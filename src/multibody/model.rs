@@ -94,7 +94,10 @@ impl MechanismModel {
             bristle_of_side: Vec::new(),
             bristles: 0,
             pins: Vec::new(),
-            watches_energy: mechanism.contacts.iter().any(|c| c.law.lets_go()),
+            watches_energy: mechanism
+                .contacts
+                .iter()
+                .any(|c| c.law.may_part_under_load()),
             sides: Vec::new(),
             sides_of_contact: Vec::new(),
             least_size: 0.0,

@@ -89,7 +89,9 @@ impl MechanismDynamics {
         (self.contacts.bristles).read(&self.model, solution, &mut state);
         self.shift.add(t, &mut state);
         if !(self.projector()).project(t, &mut state, ITERATIONS, at_hand) {
-            let residuals = self.constraints.what_misses(&self.model, &self.frames);
+            let residuals = self
+                .constraints
+                .largest_residuals(&self.model, &self.frames);
             self.work.inside = state;
             return Err(Error::JointsApart { time: t, residuals });
         }

@@ -24,7 +24,7 @@ pub(super) fn drive_contacts(
 ) -> PyResult<DriveContacts> {
     Ok(DriveContacts {
         law: describe::law_and_friction(force_law, "force_law")?.0,
-        min_approach_speed: describe::min_impact_velocity(min_impact_velocity)?,
+        min_impact_velocity: describe::min_impact_velocity(min_impact_velocity)?,
         tribology: describe::tribology(force_law)?,
     })
 }

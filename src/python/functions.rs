@@ -7,7 +7,7 @@ use super::arrays::table;
 use super::describe;
 use crate::drive::bushing_on_front;
 use crate::error::{Error, check};
-use crate::force_law::{SurfacePair, effective_restitution as obtained, elastic_forces};
+use crate::force_law::{self, SurfacePair, elastic_forces};
 use crate::geometry::{SurfaceCurve, ToothProfile, Vec2, unit};
 use crate::math::simd::InstructionSet;
 
@@ -228,5 +228,5 @@ pub(super) fn effective_restitution(
     let asked = describe::number(restitution, "restitution", "1")?;
     check::within("restitution", asked, 0.0, 1.0)?;
     law.check("restitution", asked)?;
-    Ok(obtained(law.lambda(asked)))
+    Ok(force_law::effective_restitution(law.lambda(asked)))
 }

@@ -111,7 +111,7 @@ fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
                 contact_modulus: material.contact_modulus(),
                 restitution: material.restitution,
                 length: read.number("length", "m")?,
-                min_approach_speed: read.number("min_impact_velocity", "m/s")?,
+                min_impact_velocity: read.number("min_impact_velocity", "m/s")?,
             }
         }
     })

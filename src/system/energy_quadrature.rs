@@ -200,7 +200,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.powers.last().copied().unwrap_or_default()
     }
 
-    /// Energies dissipated and worked in at `t` inside the last step \[J\].
+    /// Return the dissipated energy and the external work at `t` inside the last step \[J\].
     pub(crate) fn energies(&self, t: f64) -> P {
         if t >= self.end || self.end <= self.start {
             return self.at_end + self.last_power().scaled(t - self.end);

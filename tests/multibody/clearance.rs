@@ -38,7 +38,7 @@ pub(crate) fn machine(clearance: f64, elastic: Elastic) -> Mechanism {
                 contact_modulus: 1.137e11,
                 restitution: 0.9,
                 length: 0.015,
-                min_approach_speed: 1e-3,
+                min_impact_velocity: 1e-3,
             },
             tribology: Tribology::default(),
         }],

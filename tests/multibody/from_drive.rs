@@ -10,7 +10,7 @@ use rustchain::multibody::{DriveContacts, JointKind, Mechanism, Tribology};
 fn mechanism(drive: &Drive) -> rustchain::Result<Mechanism> {
     let contacts = DriveContacts {
         law: ForceLaw::default(),
-        min_approach_speed: 1e-3,
+        min_impact_velocity: 1e-3,
         tribology: Tribology::default(),
     };
     Mechanism::from_drive(drive, &contacts, None)

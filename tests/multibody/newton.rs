@@ -508,7 +508,7 @@ fn as_mechanism(
         contact_modulus: chain.material.contact_modulus(),
         restitution: chain.material.restitution,
         length,
-        min_approach_speed: ForceLaws::default().min_impact_velocity,
+        min_impact_velocity: ForceLaws::default().min_impact_velocity,
     };
     let mut mechanism = Mechanism {
         gravity: drive.gravity,

@@ -87,7 +87,7 @@ fn hard_surfaces() -> ContactLaw {
         contact_modulus: 1e11,
         restitution: 0.9,
         length: 0.01,
-        min_approach_speed: 1e-3,
+        min_impact_velocity: 1e-3,
     }
 }
 
@@ -148,7 +148,7 @@ fn rows_within_the_step_in_which_a_contact_ends_have_its_damping() {
         contact_modulus: 1e11,
         restitution,
         length: 0.01,
-        min_approach_speed: 1e-3,
+        min_impact_velocity: 1e-3,
     };
     let lambda = 0.75 * (1.0 - restitution * restitution);
     let mechanism = thrown_at_a_disc(law, speed, 1e-4);
@@ -251,7 +251,7 @@ fn a_disc_that_is_larger_than_an_arc_rests_on_its_flanks() {
             contact_modulus: 1e9,
             restitution: 0.5,
             length: 0.01,
-            min_approach_speed: 1e-3,
+            min_impact_velocity: 1e-3,
         },
     ] {
         let height = RADIUS * std::f64::consts::SQRT_2;

@@ -67,14 +67,16 @@ const SOFTEST: f64 = 1e-4;
 const STIFFEST: f64 = 1e-8;
 
 /// Return the warnings for the bristles of hinges and of teeth.
-pub(super) fn doubts([hinges, teeth]: [Option<LuGre>; 2]) -> impl Iterator<Item = String> {
+pub(super) fn bristle_warnings(
+    [hinges, teeth]: [Option<LuGre>; 2],
+) -> impl Iterator<Item = String> {
     let all = [(hinges, "hinges"), (teeth, "teeth")];
     all.into_iter()
-        .filter_map(|(law, place)| doubt(&law?, place))
+        .filter_map(|(law, place)| bristle_warning(&law?, place))
 }
 
 /// Return a warning for a break-away deflection `static_coefficient/stiffness` outside of `STIFFEST` to `SOFTEST`.
-fn doubt(law: &LuGre, place: &str) -> Option<String> {
+fn bristle_warning(law: &LuGre, place: &str) -> Option<String> {
     let found = law.breakaway();
     let what = format!(
         "LuGre friction, {place}: bristles break away at a deflection of {found:.1e} m, static_coefficient/stiffness"
@@ -124,10 +126,10 @@ mod tests {
             stribeck_speed: 1e-3,
             stribeck_exponent: 2.0,
         };
-        assert!(doubt(&law(1e5), "hinges").is_none());
-        assert!(doubt(&law(1e2), "hinges").is_some_and(|note| note.contains("or more")));
+        assert!(bristle_warning(&law(1e5), "hinges").is_none());
+        assert!(bristle_warning(&law(1e2), "hinges").is_some_and(|note| note.contains("or more")));
         assert!(
-            doubt(&law(1e9), "teeth")
+            bristle_warning(&law(1e9), "teeth")
                 .is_some_and(|note| note.contains("teeth") && note.contains("or less"))
         );
     }

@@ -1,7 +1,7 @@
 //! Warnings on force laws outside their range of validity.
 
 use super::ForceLaws;
-use super::bristles::doubts;
+use super::bristles::bristle_warnings;
 use super::compile::SurfacePairs;
 use super::sprocket::SprocketModel;
 use crate::force_law::{Elastic, SurfacePair, range_note};
@@ -18,7 +18,8 @@ pub(super) fn range_notes(
         let note = range_note(law, pair)?;
         Some(format!("{} law, {surfaces}: {note}", law.name()))
     };
-    let mut notes: Vec<String> = doubts([laws.hinge_bristles, laws.tooth_bristles]).collect();
+    let mut notes: Vec<String> =
+        bristle_warnings([laws.hinge_bristles, laws.tooth_bristles]).collect();
     notes.extend(note(laws.hinge.elastic, &pairs.hinges, "pin and bushing"));
     notes.extend(pairs.teeth.iter().enumerate().filter_map(|(i, pair)| {
         let surfaces = format!("bushing and {}", surface_name(i, wheels, toothed));

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use crate::math::simd::{Lanes, Mask, Octet, WIDTH, load, parts, read, vectors, vectors_mut};
+use crate::math::simd::{Lanes, Mask, Pack8, WIDTH, load, parts, read, vectors, vectors_mut};
 
 /// Return an array with `value` in all entries.
 #[inline(always)]
@@ -44,10 +44,10 @@ macro_rules! registers {
         }
 
         impl<S: Simd> $name<S> {
-            /// Read vector `part` of octets.
+            /// Read vector `part` of these packs.
             #[inline(always)]
-            pub(super) fn read(simd: S, octets: &[Octet; $count], part: usize) -> Self {
-                Self(read(simd, octets, part))
+            pub(super) fn read(simd: S, packs8: &[Pack8; $count], part: usize) -> Self {
+                Self(read(simd, packs8, part))
             }
 
             /// Return zero in all entries.
@@ -63,27 +63,27 @@ registers!(Symmetric, 3);
 registers!(Block, 4);
 registers!(Vector, 2);
 
-/// Return the octet rotated to the right: lane k holds the value of lane k - `distance`, cyclically.
+/// Return the eight numbers rotated to the right: lane k holds the value of lane k - `distance`, cyclically.
 #[inline(always)]
 pub(super) fn from_left<S: Simd, T: Registers<S, N>, const N: usize>(
     simd: S,
-    octet: [T; WIDTH],
+    pack8: [T; WIDTH],
     distance: usize,
 ) -> [T; WIDTH] {
-    from_right(simd, octet, WIDTH - distance)
+    from_right(simd, pack8, WIDTH - distance)
 }
 
-/// Return the octet rotated to the left: lane k holds the value of lane k + `distance`, cyclically.
+/// Return the eight numbers rotated to the left: lane k holds the value of lane k + `distance`, cyclically.
 #[inline(always)]
 pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
     simd: S,
-    octet: [T; WIDTH],
+    pack8: [T; WIDTH],
     distance: usize,
 ) -> [T; WIDTH] {
-    let mut turned = octet;
+    let mut turned = pack8;
     // One vector holds all eight lanes: one rotation.
     if S::F64_LANES == WIDTH {
-        let mut values = octet[0].registers();
+        let mut values = pack8[0].registers();
         for value in &mut values {
             *value = value.turned_by(distance);
         }
@@ -91,17 +91,17 @@ pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
         return turned;
     }
     let count = WIDTH / S::F64_LANES;
-    // Two copies in sequence make every vector of the rotated octet contiguous in memory.
+    // Two copies in sequence make every vector of the rotated numbers contiguous in memory.
     let mut twice = [[0.0; 2 * WIDTH]; N];
     for part in parts::<S>() {
-        for (numbers, value) in twice.iter_mut().zip(octet[part].registers()) {
+        for (numbers, value) in twice.iter_mut().zip(pack8[part].registers()) {
             let registers = vectors_mut::<S>(numbers, 2 * count);
             registers[part] = value.values();
             registers[part + count] = value.values();
         }
     }
     for part in parts::<S>() {
-        let mut values = octet[part].registers();
+        let mut values = pack8[part].registers();
         for (numbers, value) in twice.iter().zip(&mut values) {
             let from = &numbers[distance + part * S::F64_LANES..];
             *value = load(simd, &vectors::<S>(from, 1)[0]);

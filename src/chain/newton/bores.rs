@@ -6,7 +6,7 @@ use super::blocks::Symmetric;
 use super::contacts::scaled;
 use super::spatial::Spatial;
 use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
-use crate::math::simd::{Lanes, Mask, Octet, read};
+use crate::math::simd::{Lanes, Mask, Pack8, read};
 
 /// Return the stiffness of bores without friction, α n n^T + η t t^T: xx, yy, xy; zero without contact.
 #[inline(always)]
@@ -37,7 +37,7 @@ impl<S: Simd> BoreFriction<S> {
     pub(super) fn new(
         simd: S,
         gamma: f64,
-        normal: &[Octet; 2],
+        normal: &[Pack8; 2],
         slopes: &FrictionGroup,
         part: usize,
     ) -> Self {

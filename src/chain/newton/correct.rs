@@ -6,13 +6,13 @@ use super::NewtonMatrix;
 use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
 use crate::chain::model::Model;
-use crate::math::simd::{EntriesMut, Lanes, Octet, PartialSums, parts, put_part, read, write};
+use crate::math::simd::{EntriesMut, Lanes, Pack8, PartialSums, parts, put_part, read, write};
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
 struct ChainResidual<'a> {
     columns: &'a [Border],
     /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
-    alone: &'a [f64],
+    border_solution: &'a [f64],
 }
 
 impl<S: Simd> RightHand<S> for ChainResidual<'_> {
@@ -22,8 +22,8 @@ impl<S: Simd> RightHand<S> for ChainResidual<'_> {
         let [x, y, turn] = read(simd, &group.free, part);
         let mut right = [mass * x, mass * y, group.inertia.at(simd, part) * turn];
         if group.touches_teeth {
-            for (column, &alone) in self.columns.iter().zip(self.alone) {
-                take(simd, &mut right, &column[number], alone, part);
+            for (column, &border_solution) in self.columns.iter().zip(self.border_solution) {
+                take(simd, &mut right, &column[number], border_solution, part);
             }
         }
         right
@@ -32,7 +32,7 @@ impl<S: Simd> RightHand<S> for ChainResidual<'_> {
 
 /// Subtract vector `part` of a column times `factor` from the entries of links.
 #[inline(always)]
-fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor: f64, part: usize) {
+fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Pack8; 3], factor: f64, part: usize) {
     let factor = Lanes::splat(simd, factor);
     for (from, column) in from.iter_mut().zip(read(simd, column, part)) {
         *from = factor.negate_mul_add(column, *from);
@@ -65,26 +65,30 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
         let NewtonMatrix {
             rollers: terms,
             columns,
-            alone,
+            border_solution,
             ..
         } = matrix;
-        let (of_border, of_rollers) = alone.split_at_mut(border.len());
+        let (of_border, of_rollers) = border_solution.split_at_mut(border.len());
         if let (Some(terms), [.., column]) = (terms, &mut columns[..]) {
             let (links, right) = (&matrix.links, &*rollers);
             terms.solve_free::<S, FRICTION>(simd, right, border, links, column);
             of_border.fill(0.0);
             of_rollers.fill(-1.0);
         }
-        let swept = matrix.swept && !border.is_empty();
-        if swept {
+        let gauss_seidel = matrix.gauss_seidel && !border.is_empty();
+        if gauss_seidel {
             // Block Gauss-Seidel, first half: the border alone. The second half below solves the border with the links' solution.
             of_border.copy_from_slice(border);
             matrix.corner.solve(of_border);
         }
-        let swept = swept || !rollers.is_empty();
+        let gauss_seidel = gauss_seidel || !rollers.is_empty();
         let right = ChainResidual {
             columns: &matrix.columns,
-            alone: if swept { &matrix.alone } else { &[] },
+            border_solution: if gauss_seidel {
+                &matrix.border_solution
+            } else {
+                &[]
+            },
         };
         matrix.links.take_residuals(simd, n, links);
         matrix
@@ -103,7 +107,7 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
             *entry -= sum.total();
         }
         matrix.corner.solve(border);
-        if !matrix.swept {
+        if !matrix.gauss_seidel {
             take_border(simd, &mut matrix.unknowns, &matrix.solved, border);
         }
         if let Some(terms) = &mut matrix.rollers {
@@ -116,7 +120,7 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
 
 /// Subtract the solved columns of the border times its solution from the links' solution: w -= (A⁻¹ c) s.
 #[inline(always)]
-fn take_border<S: Simd>(simd: S, unknowns: &mut [[Octet; 3]], solved: &[Border], border: &[f64]) {
+fn take_border<S: Simd>(simd: S, unknowns: &mut [[Pack8; 3]], solved: &[Border], border: &[f64]) {
     for (column, &factor) in solved.iter().zip(border) {
         for (unknowns, column) in unknowns.iter_mut().zip(column) {
             for part in parts::<S>() {
@@ -130,7 +134,7 @@ fn take_border<S: Simd>(simd: S, unknowns: &mut [[Octet; 3]], solved: &[Border],
 
 /// Write the links' solution, axis by axis.
 #[inline(always)]
-fn put_solution<S: Simd>(simd: S, solution: &[[Octet; 3]], links: &mut [f64]) {
+fn put_solution<S: Simd>(simd: S, solution: &[[Pack8; 3]], links: &mut [f64]) {
     let n = links.len() / 3;
     for axis in 0..3 {
         let (whole, rest) = links[axis * n..(axis + 1) * n].as_chunks_mut();

@@ -7,28 +7,28 @@ use super::link_ends::HingeCoupling;
 use super::spatial::Spatial;
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
-use crate::math::simd::{Lanes, Numbers, Octet, Pack, packs, part_of, read, write};
+use crate::math::simd::{Lanes, Numbers, Pack, Pack8, packs, part_of, read, write};
 
 /// Eight links. Links of the padding have mass and inertia one.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LinkGroup {
-    pub(super) mass: Octet,
-    pub(super) inertia: Octet,
-    pub(super) inverse_mass: Octet,
+    pub(super) mass: Pack8,
+    pub(super) inertia: Pack8,
+    pub(super) inverse_mass: Pack8,
     /// One where bushing k is on the front of link k, else zero.
-    pub(super) front_bushing: Octet,
+    pub(super) front_bushing: Pack8,
     /// One where bushing k - 1 is on the rear of link k.
-    pub(super) rear_bushing: Octet,
+    pub(super) rear_bushing: Pack8,
     /// Whether a bushing of one of these links touches a tooth.
     pub(super) touches_teeth: bool,
     /// u and v: velocity of the link's front per angular velocity of the link \[m\].
-    pub(super) lever: [Octet; 2],
+    pub(super) lever: [Pack8; 2],
     /// Inverse of D: xx, xy, xθ, yy, yθ, θθ. Without tooth contact D is diagonal and only the last entry is used.
-    pub(super) inverse: [Octet; 6],
+    pub(super) inverse: [Pack8; 6],
     /// Scratch of a solution: velocities of the links without changes of the hinge forces.
-    pub(super) free: [Octet; 3],
+    pub(super) free: [Pack8; 3],
     /// Scratch: the corresponding velocities of their fronts.
-    pub(super) front_velocity: [Octet; 2],
+    pub(super) front_velocity: [Pack8; 2],
 }
 
 impl LinkGroup {
@@ -37,10 +37,10 @@ impl LinkGroup {
         let n = model.links;
         let lay_out = |value: &dyn Fn(usize) -> f64, rest: f64| {
             let of = |i: usize| if i < n { value(i) } else { rest };
-            Octet(std::array::from_fn(|lane| of(first + lane)))
+            Pack8(std::array::from_fn(|lane| of(first + lane)))
         };
         let owner = |k: usize| model.link_of_bushing(k % n);
-        let none = Octet::default();
+        let none = Pack8::default();
         Self {
             mass: lay_out(&|i| model.chain.mass[i], 1.0),
             inertia: lay_out(&|i| model.chain.inertia[i], 1.0),
@@ -211,7 +211,7 @@ impl<'a> LinkRows<'a> {
         &self,
         simd: S,
         teeth: (&[Bushings; 3], &[Bushings; 3]),
-        (links, levers): (&mut LinkGroup, &mut [Octet; 4]),
+        (links, levers): (&mut LinkGroup, &mut [Pack8; 4]),
         (number, part): (usize, usize),
     ) -> HingeCoupling<S> {
         let at = |array: &[Pack]| part_of(simd, &array[number], part);

@@ -13,7 +13,7 @@ use super::ring::{HingeBlocks, coupling_packs, hinge_numbers, own_packs};
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Entries, Lanes, Numbers, Octet, Pack, PartialSums, WIDTH, packs, packs_mut, padded_zeros,
+    Entries, Lanes, Numbers, Pack, Pack8, PartialSums, WIDTH, packs, packs_mut, padded_zeros,
     part_of, parts, put_part, read, write,
 };
 
@@ -30,7 +30,7 @@ pub(super) struct LinkTerms {
     groups: Vec<LinkGroup>,
     /// Velocity of the contact points at front and rear per angular velocity of the link, x and y each \[m\]; used where there is
     /// friction.
-    levers: Vec<[Octet; 4]>,
+    levers: Vec<[Pack8; 4]>,
     /// `R D⁻¹ R^T`: xx, yy, xy; a copy of the first link follows the last.
     rear: [Numbers; 3],
     /// Scratch of a solution: velocities of rears; a copy of the first one follows the last.
@@ -50,7 +50,7 @@ impl LinkTerms {
                 .step_by(WIDTH)
                 .map(|first| LinkGroup::new(model, first))
                 .collect(),
-            levers: vec![[Octet::default(); 4]; n.div_ceil(WIDTH)],
+            levers: vec![[Pack8::default(); 4]; n.div_ceil(WIDTH)],
             rear: [(); 3].map(|()| with_first()),
             rear_velocity: [with_first(), with_first()],
             force: [hinges(), hinges()],
@@ -238,7 +238,7 @@ impl LinkTerms {
     pub(super) fn solve_bound<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
-        unknowns: &mut [[Octet; 3]],
+        unknowns: &mut [[Pack8; 3]],
         rows: &[Border],
         sums: &mut [PartialSums],
     ) {
@@ -284,7 +284,7 @@ impl LinkTerms {
     pub(super) fn write_ends<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
-        unknowns: &[[Octet; 3]],
+        unknowns: &[[Pack8; 3]],
         ends: &mut [Numbers; 5],
     ) {
         let count = self.groups.len();
@@ -314,7 +314,7 @@ impl LinkTerms {
         &self,
         simd: S,
         from: &[Numbers; 3],
-        column: &mut [[Octet; 3]],
+        column: &mut [[Pack8; 3]],
     ) {
         let count = self.groups.len();
         let from = Bushings::of_three(from, count);
@@ -322,7 +322,7 @@ impl LinkTerms {
         for number in 0..count {
             let (group, column) = (&groups[number], &mut column[number]);
             if !group.touches_teeth {
-                *column = [Octet::default(); 3];
+                *column = [Pack8::default(); 3];
                 continue;
             }
             for part in parts::<S>() {
@@ -347,4 +347,4 @@ pub(super) trait RightHand<S: Simd> {
 }
 
 /// Row or column of the border: x, y and θ of the links.
-pub(super) type Border = Vec<[Octet; 3]>;
+pub(super) type Border = Vec<[Pack8; 3]>;

@@ -46,7 +46,7 @@ use super::rhs::slopes::Slopes;
 use crate::chain::contact::Candidates;
 use crate::chain::dynamics::SprocketLoad;
 use crate::chain::model::Model;
-use crate::math::simd::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, read};
+use crate::math::simd::{InstructionSet, Lanes, Pack8, PartialSums, WIDTH, read};
 
 /// Upper bound of the share of a diagonal border entry that teeth contribute. Below this bound one block Gauss-Seidel sweep
 /// replaces the elimination of the border. The relative error of a correction is then below this share.
@@ -73,9 +73,9 @@ pub(crate) struct NewtonMatrix {
     solved: Vec<Border>,
     corner: Corner,
     /// Whether the coupling of the border by teeth is weak: one block Gauss-Seidel sweep replaces its elimination.
-    swept: bool,
+    gauss_seidel: bool,
     /// Scratch: solution of the border alone, without links. With rollers, the factor -1 of their column follows.
-    alone: Vec<f64>,
+    border_solution: Vec<f64>,
     /// Scratch: products of the border's rows with the solutions of the links.
     sums: Vec<PartialSums>,
     /// Scratch: solutions of the links.
@@ -106,7 +106,7 @@ impl NewtonMatrix {
         let n = model.links;
         let border = model.wheel_coordinates();
         let besides = usize::from(model.rollers.is_some());
-        let three = || vec![[Octet::default(); 3]; n.div_ceil(WIDTH)];
+        let three = || vec![[Pack8::default(); 3]; n.div_ceil(WIDTH)];
         Self {
             slopes: Slopes::new(model),
             motions: SprocketMotions::of(model),
@@ -119,8 +119,8 @@ impl NewtonMatrix {
             ring: Ring::new(n),
             columns: (0..border + besides).map(|_| three()).collect(),
             solved: (0..border).map(|_| three()).collect(),
-            swept: true,
-            alone: vec![0.0; border + besides],
+            gauss_seidel: true,
+            border_solution: vec![0.0; border + besides],
             sums: vec![PartialSums::default(); border],
             corner: Corner::new(border),
             unknowns: three(),
@@ -246,8 +246,8 @@ impl NewtonMatrix {
         for (from, column) in self.teeth.column.iter().zip(&mut self.columns) {
             self.links.gather_column::<S, FRICTION>(simd, from, column);
         }
-        self.swept = self.corner.bound_by_teeth() < WEAK;
-        if !self.swept {
+        self.gauss_seidel = self.corner.bound_by_teeth() < WEAK;
+        if !self.gauss_seidel {
             self.solve_columns::<S, FRICTION>(simd, links);
         }
         self.corner.factorise()

@@ -14,7 +14,7 @@ use super::blocks::{Block, Symmetric, all, from_left, from_right};
 use super::contacts::BASE;
 use super::dense::Dense;
 use crate::math::simd::{
-    Lanes, Mask, Numbers, Octet, Pack, WIDTH, lane_numbers, load, packs_mut, padded_zeros, parts,
+    Lanes, Mask, Numbers, Pack, Pack8, WIDTH, lane_numbers, load, packs_mut, padded_zeros, parts,
     transposed, vectors, write,
 };
 
@@ -70,20 +70,20 @@ pub(super) fn hinge_numbers(hinges: usize) -> Numbers {
 #[derive(Debug, Clone, Copy, Default)]
 struct PartBlocks {
     /// S; after elimination the inverse of the reduced S.
-    own: [Octet; 3],
+    own: [Pack8; 3],
     /// C; after elimination the coefficients of the last hinge of the previous part in the unknowns of this hinge.
-    before: [Octet; 4],
+    before: [Pack8; 4],
     /// Coefficients of the next hinge in the unknowns of this hinge.
-    next: [Octet; 4],
+    next: [Pack8; 4],
 }
 
 /// Factors of one round of the cyclic reduction of eight rows.
 #[derive(Debug, Clone, Copy, Default)]
 struct Round {
     /// Factors by which the left neighbour's row is subtracted from each row.
-    left: [Octet; 4],
+    left: [Pack8; 4],
     /// Factors by which the right neighbour's row is subtracted from each row.
-    right: [Octet; 4],
+    right: [Pack8; 4],
 }
 
 /// Factors of the ring.
@@ -99,14 +99,14 @@ pub(super) struct Ring {
     count: usize,
     places: Vec<PartBlocks>,
     /// Couplings of the second places with the previous part, for parts with an empty first place.
-    direct: [Octet; 4],
+    direct: [Pack8; 4],
     rounds: [Round; 2],
     /// Factors of the last round, in which both neighbours are the same row.
-    opposite: [Octet; 4],
+    opposite: [Pack8; 4],
     /// Inverses of the blocks after the last round.
-    inverse: [Octet; 3],
+    inverse: [Pack8; 3],
     /// Scratch of a solution, place by place.
-    unknowns: Vec<[Octet; 2]>,
+    unknowns: Vec<[Pack8; 2]>,
     /// Dense matrix for a chain with fewer hinges than parts, in place of all other fields.
     dense: Option<Dense>,
 }
@@ -117,7 +117,7 @@ impl Ring {
         let count = hinges.div_ceil(WIDTH);
         let full = hinges - (count - 1) * WIDTH;
         let start = |part: usize| BASE + part * count - (part + 1).saturating_sub(full);
-        let none = [Octet::default(); 4];
+        let none = [Pack8::default(); 4];
         Self {
             hinges,
             starts: std::array::from_fn(start),
@@ -127,8 +127,8 @@ impl Ring {
             direct: none,
             rounds: [Round::default(); 2],
             opposite: none,
-            inverse: [Octet::default(); 3],
-            unknowns: vec![[Octet::default(); 2]; count + WIDTH],
+            inverse: [Pack8::default(); 3],
+            unknowns: vec![[Pack8::default(); 2]; count + WIDTH],
             dense: (hinges < WIDTH).then(|| Dense::new(2 * hinges)),
         }
     }
@@ -205,11 +205,11 @@ impl Ring {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         for part in parts::<S>() {
             let all = self.have_all(simd, part);
-            for (octet, nothing) in self.places[0].own.iter_mut().zip([one, one, zero]) {
-                octet.put(part, all.select(octet.at(simd, part), nothing));
+            for (pack8, nothing) in self.places[0].own.iter_mut().zip([one, one, zero]) {
+                pack8.put(part, all.select(pack8.at(simd, part), nothing));
             }
-            for octet in &mut self.places[0].before {
-                octet.put(part, all.select(octet.at(simd, part), zero));
+            for pack8 in &mut self.places[0].before {
+                pack8.put(part, all.select(pack8.at(simd, part), zero));
             }
             for (direct, before) in self.direct.iter_mut().zip(&mut self.places[1].before) {
                 let coupling = before.at(simd, part);

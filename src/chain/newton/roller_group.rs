@@ -6,23 +6,23 @@ use super::blocks::{Block, Symmetric, Vector};
 use super::bores::BoreFriction;
 use super::spatial::{Spatial, transposed_times};
 use crate::chain::model::Model;
-use crate::math::simd::{Entries, Lanes, Octet, load, read, write};
+use crate::math::simd::{Entries, Lanes, Pack8, load, read, write};
 
 /// Eight rollers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RollerGroup {
     /// One where the bushing is on the front of its link, else zero.
-    pub(super) front_bushing: Octet,
+    pub(super) front_bushing: Pack8,
     /// Whether a bushing or a tooth touches one of these rollers.
     pub(super) touches: bool,
     /// Whether a tooth touches one of these rollers.
     pub(super) meshes: bool,
     /// A; without friction only xx, yy, xy.
-    inverse: [Octet; 6],
+    inverse: [Pack8; 6],
     /// A C in row-major order; without friction only four entries.
-    follow: [Octet; 9],
+    follow: [Pack8; 9],
     /// Scratch of a solution: velocities of the rollers by their own right-hand side only.
-    pub(super) free: [Octet; 3],
+    pub(super) free: [Pack8; 3],
 }
 
 impl RollerGroup {
@@ -30,9 +30,9 @@ impl RollerGroup {
     pub(super) fn new(model: &Model, first: usize) -> Self {
         let on_front =
             |k: usize| f64::from(u8::from(k < model.links && model.link_of_bushing(k) == k));
-        let none = Octet::default();
+        let none = Pack8::default();
         Self {
-            front_bushing: Octet(std::array::from_fn(|lane| on_front(first + lane))),
+            front_bushing: Pack8(std::array::from_fn(|lane| on_front(first + lane))),
             touches: false,
             meshes: false,
             inverse: [none; 6],
@@ -43,7 +43,7 @@ impl RollerGroup {
 
     /// Return A times `right`: velocities of the rollers alone. Without `FRICTION`, that of θ is zero.
     #[inline(always)]
-    pub(super) fn alone<S: Simd, const FRICTION: bool>(
+    pub(super) fn solved_rollers<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
@@ -73,7 +73,7 @@ impl RollerGroup {
 
     /// Return C^T A times `right`: the force on the bushings. Without `FRICTION`, the moment is zero.
     #[inline(always)]
-    pub(super) fn felt<S: Simd, const FRICTION: bool>(
+    pub(super) fn on_links<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
@@ -144,11 +144,11 @@ impl<S: Simd> OnTeeth<'_, S> {
         held_xx[i] = left.0[0].values();
         held_yy[i] = left.0[1].values();
         held_xy[i] = left.0[2].values();
-        for (octet, entry) in group.inverse.iter_mut().zip(inverse.0) {
-            octet.put(part, entry);
+        for (pack8, entry) in group.inverse.iter_mut().zip(inverse.0) {
+            pack8.put(part, entry);
         }
-        for (octet, entry) in group.follow.iter_mut().zip(follow.0) {
-            octet.put(part, entry);
+        for (pack8, entry) in group.follow.iter_mut().zip(follow.0) {
+            pack8.put(part, entry);
         }
     }
 

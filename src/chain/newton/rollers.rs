@@ -18,7 +18,7 @@ use super::teeth::ToothTerms;
 use crate::chain::model::{Model, RollerModel};
 use crate::chain::rhs::slopes::ContactSlopes;
 use crate::math::simd::{
-    Entries, EntriesMut, Lanes, Numbers, Octet, PartialSums, WIDTH, load, padded_zeros, parts,
+    Entries, EntriesMut, Lanes, Numbers, Pack8, PartialSums, WIDTH, load, padded_zeros, parts,
     read, vectors, vectors_mut, write,
 };
 
@@ -32,7 +32,7 @@ pub(super) struct RollerTerms {
     solved: Vec<Border>,
     /// Scratch of a solution: right-hand sides of the bushings, bushing k at [`BASE`] + k; a copy of the last one precedes the
     /// first.
-    felt: [Numbers; 3],
+    on_links: [Numbers; 3],
     /// Scratch: velocities of fronts, of rears and angular velocities; for the last two a copy of the first one follows the last.
     ends: [Numbers; 5],
 }
@@ -48,8 +48,8 @@ impl RollerTerms {
                 .step_by(WIDTH)
                 .map(|first| RollerGroup::new(model, first))
                 .collect(),
-            solved: vec![vec![[Octet::default(); 3]; n.div_ceil(WIDTH)]; border],
-            felt: [(); 3].map(|()| padded_zeros(BASE + n)),
+            solved: vec![vec![[Pack8::default(); 3]; n.div_ceil(WIDTH)]; border],
+            on_links: [(); 3].map(|()| padded_zeros(BASE + n)),
             ends: [(); 5].map(|()| padded_zeros(n + WIDTH)),
         }
     }
@@ -156,7 +156,11 @@ impl RollerTerms {
             }
             for part in parts::<S>() {
                 let c = three::<S, FRICTION>(simd, &column, number * count + part);
-                write(solved, part, group.alone::<S, FRICTION>(simd, part, c));
+                write(
+                    solved,
+                    part,
+                    group.solved_rollers::<S, FRICTION>(simd, part, c),
+                );
             }
         }
     }
@@ -197,8 +201,8 @@ impl RollerTerms {
             for part in parts::<S>() {
                 let i = number * count + part;
                 let c = three::<S, FRICTION>(simd, &column.each_ref().map(|axis| &**axis), i);
-                let felt = group.felt::<S, FRICTION>(simd, part, c);
-                put_three::<S, FRICTION>(&mut column, i, felt);
+                let on_links = group.on_links::<S, FRICTION>(simd, part, c);
+                put_three::<S, FRICTION>(&mut column, i, on_links);
             }
         }
     }
@@ -212,7 +216,7 @@ impl RollerTerms {
         right: &[f64],
         border: &mut [f64],
         links: &LinkTerms,
-        column: &mut [[Octet; 3]],
+        column: &mut [[Pack8; 3]],
     ) {
         let zero = Lanes::splat(simd, 0.0);
         let n = right.len() / 3;
@@ -225,21 +229,21 @@ impl RollerTerms {
                 Entries::<S>::of(simd, &right[2 * n..]),
             ],
         };
-        let mut felt = of_column_mut::<S>(&mut self.felt, self.groups.len() * count);
+        let mut on_links = of_column_mut::<S>(&mut self.on_links, self.groups.len() * count);
         for (number, group) in self.groups.iter_mut().enumerate() {
             for part in parts::<S>() {
                 let i = number * count + part;
                 if !group.touches {
-                    put_three::<S, FRICTION>(&mut felt, i, [zero; 3]);
+                    put_three::<S, FRICTION>(&mut on_links, i, [zero; 3]);
                     continue;
                 }
                 let right = right.at::<FRICTION>(i);
-                let free = group.alone::<S, FRICTION>(simd, part, right);
+                let free = group.solved_rollers::<S, FRICTION>(simd, part, right);
                 write(&mut group.free, part, free);
                 put_three::<S, FRICTION>(
-                    &mut felt,
+                    &mut on_links,
                     i,
-                    group.felt::<S, FRICTION>(simd, part, right),
+                    group.on_links::<S, FRICTION>(simd, part, right),
                 );
             }
         }
@@ -257,10 +261,10 @@ impl RollerTerms {
             }
             *entry -= sum.total();
         }
-        for felt in &mut self.felt {
-            felt[BASE - 1] = felt[BASE + n - 1];
+        for on_links in &mut self.on_links {
+            on_links[BASE - 1] = on_links[BASE + n - 1];
         }
-        links.gather_column::<S, FRICTION>(simd, &self.felt, column);
+        links.gather_column::<S, FRICTION>(simd, &self.on_links, column);
     }
 
     /// Solve the rollers with these velocities of the links and the `border`: w = A (M r + C b - c s). `to` holds the right-hand
@@ -270,7 +274,7 @@ impl RollerTerms {
         &mut self,
         simd: S,
         links: &LinkTerms,
-        unknowns: &[[Octet; 3]],
+        unknowns: &[[Pack8; 3]],
         border: &[f64],
         to: &mut [f64],
     ) {

@@ -7,43 +7,43 @@ use pulp::Simd;
 
 use crate::chain::contact::Candidates;
 use crate::chain::model::Model;
-use crate::math::simd::{Lanes, Octet, WIDTH, write};
+use crate::math::simd::{Lanes, Pack8, WIDTH, write};
 
 /// Slopes of the forces of eight contacts; all zero without contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SlopeGroup {
     /// n, x and y.
-    pub(crate) normal: [Octet; 2],
+    pub(crate) normal: [Pack8; 2],
     /// Normal force f \[N\].
-    pub(crate) force: Octet,
+    pub(crate) force: Pack8,
     /// Slope of f with penetration \[N/m\].
-    pub(crate) stiffness: Octet,
+    pub(crate) stiffness: Pack8,
     /// Slope of f with the penetration rate \[N s/m\].
-    pub(crate) damping: Octet,
+    pub(crate) damping: Pack8,
     /// κ, rotation of the normal per displacement across it \[1/m\].
-    pub(crate) curvature: Octet,
+    pub(crate) curvature: Pack8,
     /// Slopes of the power dissipated by damping with penetration \[W/m\] and penetration rate \[W s/m\], where energy is kept.
-    pub(crate) power: [Octet; 2],
+    pub(crate) power: [Pack8; 2],
 }
 
 /// Slopes of the friction of eight contacts with their sliding velocity, and the contact points.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FrictionGroup {
     /// Slope of the friction with the sliding velocity \[N s/m\].
-    pub(crate) slope: Octet,
+    pub(crate) slope: Pack8,
     /// Position of a hinge's contact point along the normal, relative to the centres of its front and rear ends \[m\].
-    pub(crate) places: [Octet; 2],
+    pub(crate) places: [Pack8; 2],
 }
 
 /// Slopes of the films of eight hinges, as components along the eccentricity, across it, and mixed; all zero without a film.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FilmGroup {
     /// Direction of the eccentricity, x and y.
-    pub(crate) normal: [Octet; 2],
+    pub(crate) normal: [Pack8; 2],
     /// Slopes with the velocity \[N s/m\].
-    pub(crate) damping: [Octet; 3],
+    pub(crate) damping: [Pack8; 3],
     /// Slopes with the eccentricity \[N/m\].
-    pub(crate) stiffness: [Octet; 3],
+    pub(crate) stiffness: [Pack8; 3],
 }
 
 /// Slopes of the contacts of one kind, slot by slot.

@@ -100,13 +100,13 @@ impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: 
             changed: no_lane(simd),
             sums: [PartialSums::default(); 4],
             friction_power: PartialSums::default(),
-            rubbing: None,
+            regularized: None,
         };
         if FRICTION
             && !BRISTLED
             && let Some(friction) = &self.friction
         {
-            teeth.rubbing = Some((
+            teeth.regularized = Some((
                 RegularizedFriction::new(simd, friction.law),
                 splat(friction.bushing_radius),
             ));
@@ -169,7 +169,7 @@ struct Teeth<S: Simd, G, const DAMPED: bool, const FRICTION: bool, const BRISTLE
     /// Power dissipated by friction \[W\].
     friction_power: PartialSums,
     /// Friction and the bushings' radius; `Some` for `FRICTION` without bristles.
-    rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
+    regularized: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
 }
 
 impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool>
@@ -351,7 +351,7 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
             let bristles = run.friction_arrays.bristles.as_ref();
             bristles.map(|bristles| bristles.radius)
         } else {
-            self.rubbing.map(|(_, radius)| radius)
+            self.regularized.map(|(_, radius)| radius)
         };
         let Some(radius) = radius else {
             return [zero; 2];
@@ -363,7 +363,7 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
             if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
                 let touching = load(simd, &run.depth[b]).exceeds(zero);
                 bristles.bend(b, touching, force, slip)
-            } else if let Some((friction, _)) = &self.rubbing {
+            } else if let Some((friction, _)) = &self.regularized {
                 friction.force(force, slip)
             } else {
                 [zero; 2]

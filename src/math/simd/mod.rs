@@ -33,7 +33,7 @@ pub(crate) use lanes::{
 pub(super) use ln::scaled_to;
 pub(crate) use ln::{ln_of_quotient, octaves_of_quotient};
 pub(crate) use ordered_sums::{PartialSums, Squares};
-pub(crate) use pack8::{Octet, Pack, packs, packs_mut, part_of, parts, put_part, read, write};
+pub(crate) use pack8::{Pack, Pack8, packs, packs_mut, part_of, parts, put_part, read, write};
 pub(crate) use sin_cos::sin_cos;
 pub(crate) use transpose::transposed;
 

@@ -36,9 +36,9 @@ pub(crate) fn put_part<S: Simd>(pack: &mut Pack, part: usize, values: Lanes<S>) 
 /// Eight numbers aligned to a cache line.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(64))]
-pub(crate) struct Octet(pub(crate) Pack);
+pub(crate) struct Pack8(pub(crate) Pack);
 
-impl Octet {
+impl Pack8 {
     /// Load vector `part`.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, part: usize) -> Lanes<S> {
@@ -62,12 +62,12 @@ pub(crate) fn parts<S: Simd>() -> std::ops::Range<usize> {
 #[inline(always)]
 pub(crate) fn read<S: Simd, const N: usize>(
     simd: S,
-    octets: &[Octet; N],
+    packs8: &[Pack8; N],
     part: usize,
 ) -> [Lanes<S>; N] {
     let mut values = [Lanes::splat(simd, 0.0); N];
-    for (value, octet) in values.iter_mut().zip(octets) {
-        *value = octet.at(simd, part);
+    for (value, pack8) in values.iter_mut().zip(packs8) {
+        *value = pack8.at(simd, part);
     }
     values
 }
@@ -75,11 +75,11 @@ pub(crate) fn read<S: Simd, const N: usize>(
 /// Store vector `part` of each pack.
 #[inline(always)]
 pub(crate) fn write<S: Simd, const N: usize>(
-    octets: &mut [Octet; N],
+    packs8: &mut [Pack8; N],
     part: usize,
     values: [Lanes<S>; N],
 ) {
-    for (octet, values) in octets.iter_mut().zip(values) {
-        octet.put(part, values);
+    for (pack8, values) in packs8.iter_mut().zip(values) {
+        pack8.put(part, values);
     }
 }

@@ -17,7 +17,7 @@ impl NullSpace {
     }
 
     /// Subtract from `multipliers` their component in this space; the remainder has the same effect and the least norm.
-    pub(crate) fn take_off(&self, place: &[usize], multipliers: &mut [f64]) {
+    pub(crate) fn sub_product(&self, place: &[usize], multipliers: &mut [f64]) {
         if self.vectors.is_empty() {
             return;
         }
@@ -85,7 +85,7 @@ mod tests {
         space.add(vec![0.0, 0.0, -1.0, 1.0]);
         assert_eq!(space.last_rows(&place), [1, 3]);
         let mut multipliers = [6.0, 0.0, 5.0, 0.0];
-        space.take_off(&place, &mut multipliers);
+        space.sub_product(&place, &mut multipliers);
         for (found, expected) in multipliers.iter().zip([2.0, 2.0, 5.0, 2.0]) {
             assert!((found - expected).abs() < 1e-14, "{multipliers:?}");
         }

@@ -11,17 +11,17 @@ const MISSED: f64 = 1e-6;
 
 impl ConstraintState {
     /// Return the residuals of positions by joint as text, or those of velocities where positions satisfy the constraints.
-    pub(crate) fn what_misses(&self, model: &MechanismModel, frames: &[Frame]) -> String {
+    pub(crate) fn largest_residuals(&self, model: &MechanismModel, frames: &[Frame]) -> String {
         let missed = if self.worst(model, frames) <= 1e-9 {
             self.rates(model, frames)
         } else {
-            self.misses(model)
+            self.position_residuals(model)
         };
         format!("{missed}{}", self.asked(model, frames))
     }
 
     /// Return the residuals of positions by joint as text.
-    fn misses(&self, model: &MechanismModel) -> String {
+    fn position_residuals(&self, model: &MechanismModel) -> String {
         self.residuals(model, Equation::residual, ["m", "rad"])
     }
 
@@ -93,7 +93,7 @@ impl ConstraintState {
         Error::Impossible(format!(
             "the mechanism cannot be assembled; the nearest positions miss {}: check lengths, points and units of \
              these joints (SI: metres, radians)",
-            self.misses(model)
+            self.position_residuals(model)
         ))
     }
 }

@@ -268,7 +268,7 @@ impl SparseKkt {
             self.find_null_space();
         }
         if let Some(space) = &self.null_space {
-            space.take_off(&self.place, multipliers);
+            space.sub_product(&self.place, multipliers);
         }
     }
 

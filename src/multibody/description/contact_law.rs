@@ -19,7 +19,7 @@ pub enum ContactLaw {
         /// Length of contact \[m\].
         length: f64,
         /// Minimum impact velocity: lower bound on the initial impact velocity used by the damping factor \[m/s\].
-        min_approach_speed: f64,
+        min_impact_velocity: f64,
     },
     /// Linear law K δ + c δ', with zero as its lower bound.
     Linear {
@@ -52,12 +52,12 @@ impl ContactLaw {
                 contact_modulus,
                 restitution,
                 length,
-                min_approach_speed,
+                min_impact_velocity,
             } => {
                 check::positive(&of("contact modulus"), *contact_modulus, "Pa")?;
                 check::within(&of("restitution"), *restitution, 0.0, 1.0)?;
                 law.check(&of("restitution"), *restitution)?;
-                check::positive(&of("min_impact_velocity"), *min_approach_speed, "m/s")?;
+                check::positive(&of("min_impact_velocity"), *min_impact_velocity, "m/s")?;
                 check::positive(&of("length"), *length, "m")
             }
             Self::Linear { stiffness, damping } => {
@@ -86,7 +86,7 @@ impl ContactLaw {
 
     /// Return whether damping can reduce the force to zero during penetration. The elastic energy is then lost without a force, which
     /// only the powers of the energy balance include.
-    pub(crate) fn lets_go(&self) -> bool {
+    pub(crate) fn may_part_under_load(&self) -> bool {
         match self {
             Self::Linear { damping, .. } | Self::HuntCrossley { damping, .. } => *damping > 0.0,
             Self::Surfaces {
@@ -120,12 +120,12 @@ impl ContactLaw {
                 contact_modulus,
                 restitution,
                 length,
-                min_approach_speed,
+                min_impact_velocity,
             } => {
                 let pair = surfaces(field, radius, curvature, *length, *contact_modulus)?;
                 let damping = RestitutionDamping {
                     lambda: law.damping.lambda(*restitution),
-                    floor: *min_approach_speed,
+                    floor: *min_impact_velocity,
                 };
                 (
                     ElasticPair::prepare(law.elastic, &pair),
@@ -317,7 +317,7 @@ mod tests {
                 contact_modulus,
                 restitution: 0.9,
                 length,
-                min_approach_speed: 1e-3,
+                min_impact_velocity: 1e-3,
             };
             let of_drive = tooth_surfaces(&profile, radius, length, contact_modulus);
             let curvatures = Profile::Teeth(Box::new(profile)).curvatures(radius);
@@ -360,7 +360,7 @@ mod tests {
             contact_modulus: 1e11,
             restitution: 0.9,
             length: 0.01,
-            min_approach_speed: 1e-3,
+            min_impact_velocity: 1e-3,
         };
         let error = law
             .prepare("contact \"A\"", 0.01, Curvature::Concave(0.009))

@@ -11,7 +11,7 @@ const CHORDS: f64 = 8.0;
 const SAME_POINT: f64 = 1e-9;
 
 /// Check that each piece begins at the end of the previous one, that the path is simple and that a closed one encloses an area.
-pub(crate) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<()> {
+pub(crate) fn check_path(field: &str, pieces: &[Piece], closed: bool) -> Result<()> {
     let next = pieces.iter().enumerate().skip(1);
     let next = next.chain(pieces.iter().enumerate().take(usize::from(closed)));
     for (piece, (number, after)) in pieces.iter().zip(next) {
@@ -183,7 +183,7 @@ mod tests {
             panic!("no outline");
         };
         pieces[2].from.x += 0.1;
-        let error = check_way("square", &pieces, true).unwrap_err().to_string();
+        let error = check_path("square", &pieces, true).unwrap_err().to_string();
         assert!(
             error.contains("piece 3 of square") && error.contains("1.000e-1 m away"),
             "{error}"
@@ -286,7 +286,7 @@ mod tests {
                 arc((-1.0, 0.3), (-1.0, 0.0), None),
             ]
         };
-        assert!(check_way("box", &pieces(0.2), true).is_ok());
-        assert!(check_way("box", &pieces(0.5), true).is_err());
+        assert!(check_path("box", &pieces(0.2), true).is_ok());
+        assert!(check_path("box", &pieces(0.5), true).is_err());
     }
 }

@@ -129,7 +129,7 @@ impl Profile {
         for (i, piece) in pieces.iter().enumerate() {
             piece.validate(&format!("piece {} of {field}", i + 1))?;
         }
-        super::outline_check::check_way(field, pieces, *closed)
+        super::outline_check::check_path(field, pieces, *closed)
     }
 
     /// Return the radius of a circle around the origin of the profile's frame that encloses the profile \[m\]; infinite for unbounded

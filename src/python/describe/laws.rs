@@ -26,7 +26,7 @@ pub(super) const LAWS: [&str; 9] = [
 pub(crate) fn tribology(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
     let read = Reader::of(object);
     Ok(Tribology {
-        friction: read.optional("friction", rubbing)?,
+        friction: read.optional("friction", friction_law)?,
         film: read.optional("film", film)?,
     })
 }
@@ -101,7 +101,7 @@ pub(crate) fn law_and_friction(
             &[("kept", Regions::Kept), ("sharp", Regions::Sharp)],
         )?,
     };
-    Ok((law, read.optional("friction", rubbing)?))
+    Ok((law, read.optional("friction", friction_law)?))
 }
 
 fn coulomb(law: FrictionLaw) -> Option<Friction> {
@@ -119,7 +119,7 @@ fn bristles(law: FrictionLaw) -> Option<LuGre> {
 }
 
 /// Read a `Coulomb` or a `LuGre` and check it.
-pub(crate) fn rubbing(object: &Bound<'_, PyAny>, field: &str) -> PyResult<FrictionLaw> {
+pub(crate) fn friction_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<FrictionLaw> {
     let read = Reader::new(object, field, &["Coulomb", "LuGre"])?;
     if read.kind == "LuGre" {
         lugre(object, field).map(FrictionLaw::LuGre)

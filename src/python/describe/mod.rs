@@ -15,7 +15,7 @@ use super::errors::InvalidInput;
 use crate::drive::{Drive, HingeKind};
 use chain::{hinge, link, plates, roller};
 use ends::{ENDS, chain_ends};
-use laws::{LAWS, film_of, rubbing};
+use laws::{LAWS, film_of, friction_law};
 use reader::{SIGNALS, kind_of};
 use sprocket::motion;
 use teeth::{FORMS, outline_piece, tooth_form};
@@ -84,7 +84,7 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
             film_of(object, "")?;
             law_and_friction(object, "").map(drop)?;
         }
-        "Coulomb" | "LuGre" => rubbing(object, "").map(drop)?,
+        "Coulomb" | "LuGre" => friction_law(object, "").map(drop)?,
         "LubricantFilm" => film(object, "").map(drop)?,
         kind => {
             return Err(InvalidInput::new_err(format!(

@@ -94,7 +94,7 @@ pub(super) struct Hinges<
     slopes: Option<&'a mut [SlopeGroup]>,
     pub(super) friction_slopes: Option<&'a mut [FrictionGroup]>,
     /// Friction and the pins' radius; `Some` for `FRICTION` without bristles.
-    pub(super) rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
+    pub(super) regularized: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
     /// `Some` for `BRISTLED`.
     pub(super) bristles: Option<BristleLanes<'a, S>>,
     /// Moments on fronts and rears \[N m\].
@@ -155,7 +155,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             friction_power: PartialSums::default(),
             slopes,
             friction_slopes: None,
-            rubbing: None,
+            regularized: None,
             bristles: None,
             film_power: PartialSums::default(),
             film_slopes: None,
@@ -177,7 +177,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             hinges.bristles = Some(bristles.into_lanes(simd, blocks));
         } else if FRICTION && let Some(friction) = joints.friction {
             hinges.friction_slopes = friction_slopes;
-            hinges.rubbing = Some((
+            hinges.regularized = Some((
                 RegularizedFriction::new(simd, friction.law),
                 splat(friction.pin_radius),
             ));

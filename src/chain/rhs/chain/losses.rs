@@ -108,7 +108,7 @@ impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, co
         let radius = if BRISTLED {
             self.bristles.as_ref().map(|bristles| bristles.radius)
         } else {
-            self.rubbing.map(|(_, radius)| radius)
+            self.regularized.map(|(_, radius)| radius)
         };
         let Some(pin_radius) = radius else {
             return [force * nx, force * ny];
@@ -125,7 +125,7 @@ impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, co
         let slip = across + turning;
         let [friction, slope] = if BRISTLED && let Some(bristles) = &mut self.bristles {
             bristles.bend(i, depth.exceeds(zero), force, slip)
-        } else if let Some((friction, _)) = &self.rubbing {
+        } else if let Some((friction, _)) = &self.regularized {
             friction.force(force, slip)
         } else {
             [zero; 2]

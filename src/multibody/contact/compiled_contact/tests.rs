@@ -37,7 +37,7 @@ fn hertz() -> ContactLaw {
         contact_modulus: 1e7,
         restitution: 0.9,
         length: 0.02,
-        min_approach_speed: 0.01,
+        min_impact_velocity: 0.01,
     }
 }
 

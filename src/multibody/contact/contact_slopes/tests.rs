@@ -40,7 +40,7 @@ fn restoring() -> ContactLaw {
         contact_modulus: 1e7,
         restitution: 0.8,
         length: 0.02,
-        min_approach_speed: 1e-3,
+        min_impact_velocity: 1e-3,
     }
 }
 

@@ -58,7 +58,7 @@ fn roll_back(dynamics: &mut MechanismDynamics, adams: &Adams, t: f64) {
 }
 
 /// Return the law of surfaces with this minimum impact velocity \[m/s\].
-fn surfaces(min_approach_speed: f64) -> ContactLaw {
+fn surfaces(min_impact_velocity: f64) -> ContactLaw {
     ContactLaw::Surfaces {
         law: ForceLaw {
             elastic: Elastic::Linear(1e3),
@@ -68,7 +68,7 @@ fn surfaces(min_approach_speed: f64) -> ContactLaw {
         contact_modulus: 1e7,
         restitution: 0.9,
         length: 0.02,
-        min_approach_speed,
+        min_impact_velocity,
     }
 }
 
