@@ -269,22 +269,22 @@ impl CompiledContact {
         let mut behind = false;
         if self.is_open() {
             self.contact_points(self.local(fa, fb), |candidate, _| {
-                behind |= candidate.side == side
-                    && match candidate.place {
-                        OutlinePlace::DeepAtEnd => false,
-                        OutlinePlace::Deep => true,
-                        _ => {
-                            memory.is_behind()
-                                && candidate.weight > 0.0
-                                && candidate.distance < self.radius
-                        }
-                    };
+                behind |= candidate.side == side && self.is_behind_at(candidate, memory);
             });
         }
         if behind {
             Memory::BEHIND
         } else {
             Memory::default()
+        }
+    }
+
+    /// Return whether the circle is behind an open outline at this point.
+    fn is_behind_at(&self, point: &ContactPoint, memory: Memory) -> bool {
+        match point.place {
+            OutlinePlace::DeepAtEnd => false,
+            OutlinePlace::Deep => true,
+            _ => memory.is_behind() && point.weight > 0.0 && point.distance < self.radius,
         }
     }
 
