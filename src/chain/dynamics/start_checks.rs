@@ -138,49 +138,53 @@ pub(crate) fn check_start(model: &Model, start: &InitialConfiguration) -> Result
     check_ends(model, start)?;
     check_speeds(model, start)?;
     check_surfaces(model, start)?;
-    for (s, sprocket) in model.sprockets.iter().enumerate() {
-        let body = model.wheel_body(s);
-        let [vx, vy, spin] = start.velocities[body];
-        let [x, y, _] = start.positions[body];
-        let refuse = |value: String, expected: String| {
-            Err(Error::invalid(
-                format!("velocities of {}", model.body_names()[body]),
-                value,
-                expected,
-            ))
-        };
-        match sprocket.support {
-            Support::Fixed if vx != 0.0 || vy != 0.0 => {
+    (0..model.sprockets.len()).try_for_each(|s| check_wheel_velocity(model, start, s))
+}
+
+/// Check the initial velocity of sprocket `s` against its bearing or tensioner and its prescribed speed.
+fn check_wheel_velocity(model: &Model, start: &InitialConfiguration, s: usize) -> Result<()> {
+    let sprocket = &model.sprockets[s];
+    let body = model.wheel_body(s);
+    let [vx, vy, spin] = start.velocities[body];
+    let [x, y, _] = start.positions[body];
+    let refuse = |value: String, expected: String| {
+        Err(Error::invalid(
+            format!("velocities of {}", model.body_names()[body]),
+            value,
+            expected,
+        ))
+    };
+    match sprocket.support {
+        Support::Fixed if vx != 0.0 || vy != 0.0 => {
+            return refuse(
+                format!("({vx}, {vy})"),
+                "its bearing is fixed: must be (0, 0)".to_string(),
+            );
+        }
+        Support::Slide { .. } => {
+            // The guide path of an arm is curved: its tangent at the initial centre applies, not that at the described one.
+            let way = sprocket.slide_at(Vec2::new(x, y));
+            let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
+            let across = tangent.x * vy - tangent.y * vx;
+            if across.abs() > 1e-9 * vx.hypot(vy) {
                 return refuse(
                     format!("({vx}, {vy})"),
-                    "its bearing is fixed: must be (0, 0)".to_string(),
+                    format!(
+                        "its tensioner permits displacement along ({}, {}) only, at its start",
+                        tangent.x, tangent.y
+                    ),
                 );
             }
-            Support::Slide { .. } => {
-                // The guide path of an arm is curved: its tangent at the initial centre applies, not that at the described one.
-                let way = sprocket.slide_at(Vec2::new(x, y));
-                let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
-                let across = tangent.x * vy - tangent.y * vx;
-                if across.abs() > 1e-9 * vx.hypot(vy) {
-                    return refuse(
-                        format!("({vx}, {vy})"),
-                        format!(
-                            "its tensioner permits displacement along ({}, {}) only, at its start",
-                            tangent.x, tangent.y
-                        ),
-                    );
-                }
-            }
-            _ => {}
         }
-        if let Rotation::Prescribed(speed) = &sprocket.rotation {
-            let prescribed = speed.value(0.0);
-            if (spin - prescribed).abs() > 1e-9 * prescribed.abs().max(1.0) {
-                return refuse(
-                    spin.to_string(),
-                    format!("its speed is prescribed: must be {prescribed} rad/s at the start"),
-                );
-            }
+        _ => {}
+    }
+    if let Rotation::Prescribed(speed) = &sprocket.rotation {
+        let prescribed = speed.value(0.0);
+        if (spin - prescribed).abs() > 1e-9 * prescribed.abs().max(1.0) {
+            return refuse(
+                spin.to_string(),
+                format!("its speed is prescribed: must be {prescribed} rad/s at the start"),
+            );
         }
     }
     Ok(())
