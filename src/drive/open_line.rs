@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{ChainEnd, Drive};
+use crate::geometry::path::belt::WRAP_ROUNDING;
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Vec2, turned_left};
 
@@ -133,7 +134,7 @@ impl<'a> OpenLine<'a> {
         let cross = before.x * after.y - before.y * after.x;
         let angle = self.sense[i] * cross.atan2(before.dot(&after));
         // A wrap that is a full turn by rounding is zero.
-        if angle < -1e-9 {
+        if angle < -WRAP_ROUNDING {
             angle + TAU
         } else {
             angle.max(0.0)

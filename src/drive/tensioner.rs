@@ -12,7 +12,9 @@ use crate::geometry::{Vec2, turned_left};
 
 /// Stiffness of a stop \[N/m\]: 0.1 mm under 1 kN.
 pub(crate) const STOP_STIFFNESS: f64 = 1e7;
-/// Range of the search for the position of a taut chain, in tenths of a pitch.
+/// Step of the search for the position of a taut chain, in pitches.
+const SEARCH_STEP: f64 = 0.1;
+/// Maximum number of these steps.
 const MOST_STEPS: u32 = 1000;
 /// Smallest ratio of the change of chain tension to the tensioner's force; below, the direction hardly tightens the chain. A safeguard.
 const LEAST_SHARE: f64 = 0.05;
@@ -288,7 +290,7 @@ impl Way<'_> {
         if first == 0.0 {
             return Some(0.0);
         }
-        let step = first.signum() * 0.1 * chain.pitch;
+        let step = first.signum() * SEARCH_STEP * chain.pitch;
         let (mut low, mut high) = (0.0, step);
         let mut steps = 0;
         while spare(high)? * step > 0.0 {

@@ -5,6 +5,11 @@ use serde::{Deserialize, Serialize};
 use super::{MAX_ORDER, SPEED_PER_LENGTH};
 use crate::error::{Error, Result, check};
 
+/// Default of the largest step size \[s\].
+const DEFAULT_MAX_STEP: f64 = 1e-4;
+/// Default of the permitted error of lengths in a step \[m\].
+const DEFAULT_ACCURACY: f64 = 1e-10;
+
 /// Tolerances and limits of a run.
 ///
 /// While `rtol` and `atol` are both zero, `accuracy` is the tolerance: the permitted error of lengths. That of velocities is
@@ -60,10 +65,10 @@ impl Default for StepControl {
         Self {
             rtol: 0.0,
             atol: 0.0,
-            max_step: 1e-4,
+            max_step: DEFAULT_MAX_STEP,
             max_order: MAX_ORDER,
             corrector: Corrector::Auto,
-            accuracy: 1e-10,
+            accuracy: DEFAULT_ACCURACY,
         }
     }
 }

@@ -6,6 +6,19 @@ use crate::error::{Error, Result};
 use crate::geometry::Vec2;
 use crate::geometry::path::wrap::{self, Wheel};
 
+/// Step of the search for the nearest closed belt line, in pitches.
+const BELT_STEP: f64 = 0.5;
+/// Largest step of the secant method, in pitches: the taut polygon is near the belt line.
+const LARGEST_SECANT_STEP: f64 = 0.02;
+/// First step of the secant method, over the largest.
+const FIRST_SECANT_STEP: f64 = 0.01;
+/// Maximum number of steps of the secant method.
+const MOST_SECANT_STEPS: u32 = 60;
+/// Difference of slack below which a secant has no slope \[m\]: a quotient by zero.
+const LEAST_DIFFERENCE: f64 = 1e-300;
+/// Part of two links by which a belt line may be longer than an even number of links; a longer one takes two links more.
+const MISSING_PART_OF_TWO: f64 = 0.05;
+
 /// Return the displacement of sprocket `moved` along `direction` at which the drive's chain is taut \[m\],
 /// within `reach` \[m\] in both directions.
 ///
@@ -20,8 +33,8 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
     };
     let links = f64::from(drive.chain.links);
     let pitches = |s: f64| BeltLine::of(&at(s)).map(|line| line.pitches(drive));
-    // Search for the nearest position where the belt line is as long as the chain, in steps of half a pitch to both sides.
-    let step = 0.5 * drive.chain.pitch;
+    // Search for the nearest position where the belt line is as long as the chain, in steps to both sides.
+    let step = BELT_STEP * drive.chain.pitch;
     let spare = |s: f64| pitches(s).ok().map(|needed| links - needed);
     let here = links - pitches(0.0)?;
     let mut bracket = (here == 0.0).then_some((0.0, 0.0));
@@ -91,11 +104,11 @@ fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -
         let there = at(s);
         Around::new(&there).ok()?.course(0.0)?.spare(slack, shift)
     };
-    let step = 0.02 * drive.chain.pitch;
-    let (mut a, mut b) = (belt_place, belt_place + 0.01 * step);
+    let step = LARGEST_SECANT_STEP * drive.chain.pitch;
+    let (mut a, mut b) = (belt_place, belt_place + FIRST_SECANT_STEP * step);
     let (mut f, mut g) = (spare(a)?, spare(b)?);
-    for _ in 0..60 {
-        if (g - f).abs() < 1e-300 || a == b {
+    for _ in 0..MOST_SECANT_STEPS {
+        if (g - f).abs() < LEAST_DIFFERENCE || a == b {
             break;
         }
         let next = (b - g * (b - a) / (g - f)).clamp(b - step, b + step);
@@ -106,7 +119,7 @@ fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -
             break;
         }
     }
-    (g.abs() < 1e-12).then_some(b)
+    (g.abs() < wrap::CLOSED).then_some(b)
 }
 
 /// Return the smallest even number of links that closes round the sprockets of `drive`.
@@ -117,11 +130,11 @@ pub fn links_around(drive: &Drive) -> Result<u32> {
     Ok(Around::new(drive)?.links_that_close())
 }
 
-/// Return the smallest even number of links not below `pitches`, except for rounding.
+/// Return the smallest even number of links not below `pitches`, except for [`MISSING_PART_OF_TWO`].
 #[must_use]
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
 pub(super) fn even_links(pitches: f64) -> u32 {
-    2 * (0.5 * pitches - 0.05).ceil().max(2.0) as u32
+    2 * (0.5 * pitches - MISSING_PART_OF_TWO).ceil().max(2.0) as u32
 }
 
 /// Return the centre distance \[m\] of a taut chain of `links` on two sprockets, its hinges on the pitch circles.
@@ -141,7 +154,7 @@ pub fn links_for(pitch: f64, teeth: [u32; 2], center_distance: f64) -> u32 {
     let mut links = even_links(wrap::belt_length(pitch, teeth, center_distance));
     // A taut polygon of this number of links may be slightly shorter than the belt.
     while closing_center_distance(pitch, teeth, links)
-        .is_some_and(|c| c < center_distance * (1.0 - 1e-12))
+        .is_some_and(|c| c < center_distance * (1.0 - wrap::CLOSED_SHARE))
     {
         links += 2;
     }

@@ -12,6 +12,13 @@ const LARGEST_BOW: f64 = 0.45 * PI;
 /// Share of the hinge clearance below which a stretched chain counts as taut.
 pub(super) const TAUT_STRETCH: f64 = 0.02;
 
+/// Stretch of each hinge, over its clearance, above which a chain counts as too short: three times the limit of a layout.
+const HOPELESS_STRETCH: f64 = 3.0 * LARGEST_STRETCH;
+/// Shortage per link in pitches that is permitted beside it: the belt line is not the polygon of the links.
+const SHORTAGE_MARGIN: f64 = 0.01;
+/// Difference of link pitches that counts as none \[m\]: rounding of their mean.
+const EQUAL_PITCH: f64 = 1e-15;
+
 /// Misfit of a link that counts as zero, over the largest coordinate of its hinges. A length is the difference of two
 /// coordinates, each rounded by half an epsilon: a smaller misfit is not reachable.
 const FITTING: f64 = 4.0 * f64::EPSILON;
@@ -26,7 +33,10 @@ const SHARES: [f64; 3] = [1.0, 0.0, 0.5];
 /// all, and every link lies in the middle between its hinges: each clearance takes half of the difference.
 fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>> {
     let (pitches, mean) = (chain.link_pitches(), chain.mean_pitch());
-    if pitches.iter().all(|&pitch| (pitch - mean).abs() <= 1e-15) {
+    if pitches
+        .iter()
+        .all(|&pitch| (pitch - mean).abs() <= EQUAL_PITCH)
+    {
         return vec![hinges];
     }
     let n = pitches.len();
@@ -60,7 +70,7 @@ pub(super) fn shortage(chain: &Chain, needed: f64) -> Option<String> {
     let (pitch, clearance) = (chain.mean_pitch(), chain.hinge.clearance());
     let missing = needed - f64::from(chain.links);
     let stretch = missing * pitch / f64::from(chain.links);
-    (stretch > 3.0 * LARGEST_STRETCH * clearance + 0.01 * pitch).then(|| {
+    (stretch > HOPELESS_STRETCH * clearance + SHORTAGE_MARGIN * pitch).then(|| {
         format!(
             "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
             1e3 * missing * pitch,

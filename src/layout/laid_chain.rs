@@ -6,6 +6,9 @@ use crate::geometry::path::wrap;
 use crate::geometry::path::wrap::Wheel;
 use crate::geometry::{ToothProfile, Vec2, unit};
 
+/// Least distance of a bushing from a tooth at the start \[m\]: the least one that is tried, less a tenth.
+const LEAST_GAP: f64 = 0.9 * START_GAPS[0];
+
 /// Return the wheel of a sprocket with seated bushings at least `gap` \[m\] off their seats.
 pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
     let depth = seat_depth(profile, chain);
@@ -91,7 +94,7 @@ impl Lie<'_> {
             ));
         }
         let (gap, [before, behind]) = (self.smallest_gap(), where_and_remedy);
-        (gap < 0.9 * START_GAPS[0]).then(|| {
+        (gap < LEAST_GAP).then(|| {
             format!(
                 "{before}a bushing would start {:.3} um off a tooth (negative: inside){behind}",
                 1e6 * gap

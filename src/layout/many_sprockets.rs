@@ -4,7 +4,10 @@ use super::closing::even_links;
 use super::fit::{TAUT_STRETCH, bow_fault, remedy, shortage, without_fault};
 use super::initial::GIVEN_UP;
 use super::laid_chain::{Lie, phase, wheel};
-use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, strand_name, tension_force};
+use super::report::{
+    LARGEST_STRETCH, LEAST_GRAVITY_ACROSS, Layout, START_GAPS, given_speed, strand_name,
+    tension_force,
+};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::path::polygon::{PlacedWheel, Polygon, WheelSequence};
@@ -76,8 +79,7 @@ impl<'a> Around<'a> {
         let outward = |i: usize| {
             let span = &self.line.belt.spans[i];
             let pull = gravity.dot(&-turned_left(span.direction)) * span.length;
-            // Differences by rounding do not decide.
-            if pull.abs() > 1e-9 * gravity.norm() * span.length {
+            if pull.abs() > LEAST_GRAVITY_ACROSS * gravity.norm() * span.length {
                 pull
             } else {
                 0.0

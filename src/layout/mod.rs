@@ -18,6 +18,7 @@ mod two_sprockets;
 pub use closing::{closing_center_distance, closing_move, links_around, links_for};
 pub use initial::InitialConfiguration;
 pub(crate) use places::check_places;
+pub(crate) use report::USUAL_SAG;
 pub use report::{GuidePlacement, Layout, strand_name};
 pub(crate) use strand_tension::ChainRow;
 pub use strand_tension::strands;

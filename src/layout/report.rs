@@ -13,6 +13,15 @@ pub(super) const START_GAPS: [f64; 4] = [1e-6, 3e-6, 1e-5, 3e-5];
 /// Largest stretch of a chain at the start, over the hinge clearance.
 pub(super) const LARGEST_STRETCH: f64 = 0.9;
 
+/// Component of gravity across a strand, over gravity, below which rounding would choose the slack strand.
+pub(super) const LEAST_GRAVITY_ACROSS: f64 = 1e-9;
+/// Largest usual ratio of sag to span: a warning is given above, and the proposed tension of a tensioner has it.
+pub(crate) const USUAL_SAG: f64 = 0.06;
+/// Least usual wrap of a sprocket \[degrees\], less rounding: a third of its teeth is not below.
+const LEAST_WRAP: f64 = 120.0 - 1e-9;
+/// Difference of the chain speeds of two sprockets, over the larger one, above which a warning is given.
+const SPEED_MISMATCH: f64 = 0.01;
+
 /// Choices of the generator, one entry per sprocket in the described order or per strand.
 ///
 /// With two sprockets the strands are the upper one (left of the line from the first to the second centre) and the lower one.
@@ -232,7 +241,7 @@ impl Layout {
         };
         for i in 0..closed {
             let share = self.sag[i] / self.spans[i];
-            if share > 0.06 {
+            if share > USUAL_SAG {
                 warnings.push(format!(
                     "the {} strand sags by {:.1} % of its span; 4 to 6 % is usual",
                     self.strand_name(i),
@@ -245,7 +254,7 @@ impl Layout {
             let wrap = (f64::from(self.seated[i]) * gap).to_degrees();
             // Idlers transmit no power: few teeth are sufficient.
             if drive.sprockets.len() == 2 || !matches!(sprocket.motion, SprocketMotion::Free) {
-                if wrap < 120.0 - 1e-9 {
+                if wrap < LEAST_WRAP {
                     warnings.push(format!(
                         "sprocket {} is wrapped by {wrap:.0} degrees only; 120 is usual",
                         i + 1
@@ -277,7 +286,7 @@ impl Layout {
         if let [first, others @ ..] = given.as_slice() {
             for other in others {
                 let (one, two) = (chain_speed(*first), chain_speed(*other));
-                if (one - two).abs() > 0.01 * one.abs().max(two.abs()) {
+                if (one - two).abs() > SPEED_MISMATCH * one.abs().max(two.abs()) {
                     warnings.push(format!(
                         "sprockets {} and {} start at {:.4} and {:.4} rad/s, which move the chain at different speeds",
                         first + 1,

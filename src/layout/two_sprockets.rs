@@ -5,13 +5,18 @@ use std::f64::consts::PI;
 use super::closing::{closing_center_distance, links_for};
 use super::fit::{TAUT_STRETCH, bow_fault, remedy, shortage, without_fault};
 use super::laid_chain::{Lie, phase, wheel};
-use super::report::{Layout, START_GAPS, given_speed, tension_force};
+use super::report::{LEAST_GRAVITY_ACROSS, Layout, START_GAPS, given_speed, tension_force};
 use crate::drive::{Drive, Sprocket};
 use crate::error::{Error, Result};
 use crate::geometry::path::belt::Side;
 use crate::geometry::path::wrap;
 use crate::geometry::path::wrap::{Path, Split, Strand, Wheel};
 use crate::geometry::{ToothProfile, Vec2, turned_left};
+
+/// Least centre distance that is proposed, over the sum of the outside radii, at which the sprockets overlap.
+const LEAST_PROPOSED_DISTANCE: f64 = 1.02;
+/// Pitches between the centre distance and that of the taut chain below which the division of the taut chain is tried first.
+const NEARLY_TAUT: f64 = 1e-3;
 
 /// A drive seen along its line of centres.
 pub(super) struct TwoSprocketDrive<'a> {
@@ -77,7 +82,7 @@ impl<'a> TwoSprocketDrive<'a> {
     fn slack_strand(&self) -> Strand {
         let up = turned_left(self.axis);
         let pull = self.drive.gravity.dot(&up);
-        if pull.abs() > 1e-9 * self.drive.gravity.norm() {
+        if pull.abs() > LEAST_GRAVITY_ACROSS * self.drive.gravity.norm() {
             return if pull < 0.0 {
                 Strand::Lower
             } else {
@@ -108,7 +113,7 @@ impl<'a> TwoSprocketDrive<'a> {
             ),
         };
         let apart = self.profiles[0].outside_radius + self.profiles[1].outside_radius;
-        let distance = self.center_distance.max(1.02 * apart);
+        let distance = self.center_distance.max(LEAST_PROPOSED_DISTANCE * apart);
         let fewest = links_for(pitch, teeth, distance);
         let enough = if fewest == links {
             remedy(&self.drive.chain, fewest)
@@ -190,7 +195,9 @@ impl<'a> TwoSprocketDrive<'a> {
         let chain = &self.drive.chain;
         let pitch = chain.mean_pitch();
         let taut = wrap::taut_path(pitch, wheels, chain.links)
-            .filter(|path| (path.center_distance - self.center_distance).abs() < 1e-3 * pitch)
+            .filter(|path| {
+                (path.center_distance - self.center_distance).abs() < NEARLY_TAUT * pitch
+            })
             .map(|path| path.split);
         let others = wrap::splits_at(
             pitch,

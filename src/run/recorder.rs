@@ -24,6 +24,9 @@ const ENERGIES: [&str; 6] = [
 /// so later.
 const ROWS_WITH_ROOM: f64 = 4096.0;
 
+/// Report intervals before the end within which a report is the last one, at the end: rounding of a product of the interval.
+const ROUNDING_AT_END: f64 = 1e-9;
+
 /// Recorder of a run: channels under construction.
 #[derive(Debug, Clone)]
 pub(crate) struct Recorder<S: System> {
@@ -84,8 +87,7 @@ impl<S: System> Recorder<S> {
     /// Return the time of the next report \[s\]; `None` if all are complete. The last report lies exactly at the end.
     pub(crate) fn next_report(&self) -> Option<f64> {
         let t = self.begin + self.next as f64 * self.report_step;
-        // A report within 1e-9 intervals of the end is the last report, at the end.
-        let rounding = 1e-9 * self.report_step;
+        let rounding = ROUNDING_AT_END * self.report_step;
         if t < self.end - rounding {
             Some(t)
         } else if self.last.is_none_or(|last| last < self.end) {

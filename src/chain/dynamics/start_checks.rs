@@ -7,6 +7,12 @@ use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::layout::InitialConfiguration;
 
+/// Distance of the centres of a hinge or a roller, over half the pitch, above which it counts as open.
+const OPEN: f64 = 0.1;
+/// Relative deviation of an initial velocity from a prescribed one or a guide path that counts as none: rounding. Prescribed velocities
+/// below 1 m/s or 1 rad/s permit it in these units.
+const VELOCITY_ROUNDING: f64 = 1e-9;
+
 /// Check that there is one row of finite numbers for every body.
 ///
 /// # Errors
@@ -31,7 +37,7 @@ fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
     // Open hinges have coincident centres in these arrays: they pass this check.
     let apart = |k: usize| dynamics.evaluated.hinges.penetration[k] + model.hinges.clearance;
-    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
+    let Some(k) = (0..model.links).find(|&k| apart(k) > OPEN * model.half_pitch) else {
         return Ok(());
     };
     Err(Error::invalid(
@@ -57,7 +63,7 @@ fn check_rollers(dynamics: &Dynamics) -> Result<()> {
         return Ok(());
     };
     let apart = |k: usize| dynamics.evaluated.rollers.penetration[k] + rollers.clearance;
-    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
+    let Some(k) = (0..model.links).find(|&k| apart(k) > OPEN * model.half_pitch) else {
         return Ok(());
     };
     Err(Error::invalid(
@@ -78,7 +84,9 @@ fn check_ends(model: &Model, start: &InitialConfiguration) -> Result<()> {
             continue;
         };
         let [vx, vy, spin] = start.velocities[end.body];
-        if (Vec2::new(vx, vy) - given).norm() > 1e-9 * given.norm().max(1.0) || spin != 0.0 {
+        if (Vec2::new(vx, vy) - given).norm() > VELOCITY_ROUNDING * given.norm().max(1.0)
+            || spin != 0.0
+        {
             return Err(Error::invalid(
                 format!("velocities of {}", model.link_name(end.body)),
                 format!("({vx}, {vy}, {spin})"),
@@ -166,7 +174,7 @@ fn check_wheel_velocity(model: &Model, start: &InitialConfiguration, s: usize) -
             let way = sprocket.slide_at(Vec2::new(x, y));
             let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
             let across = tangent.x * vy - tangent.y * vx;
-            if across.abs() > 1e-9 * vx.hypot(vy) {
+            if across.abs() > VELOCITY_ROUNDING * vx.hypot(vy) {
                 return refuse(
                     format!("({vx}, {vy})"),
                     format!(
@@ -180,7 +188,7 @@ fn check_wheel_velocity(model: &Model, start: &InitialConfiguration, s: usize) -
     }
     if let Rotation::Prescribed(speed) = &sprocket.rotation {
         let prescribed = speed.value(0.0);
-        if (spin - prescribed).abs() > 1e-9 * prescribed.abs().max(1.0) {
+        if (spin - prescribed).abs() > VELOCITY_ROUNDING * prescribed.abs().max(1.0) {
             return refuse(
                 spin.to_string(),
                 format!("its speed is prescribed: must be {prescribed} rad/s at the start"),

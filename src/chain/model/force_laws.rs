@@ -7,6 +7,9 @@ use super::compile::Coordinates;
 use crate::error::{Error, Result, check};
 use crate::force_law::{Film, ForceLaw, Friction, LuGre};
 
+/// Default of the minimum impact velocity \[m/s\].
+const DEFAULT_MIN_IMPACT_VELOCITY: f64 = 1e-3;
+
 /// Force laws of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ForceLaws {
@@ -92,7 +95,7 @@ impl Default for ForceLaws {
             hinge_bristles: None,
             tooth_bristles: None,
             hinge_film: None,
-            min_impact_velocity: 1e-3,
+            min_impact_velocity: DEFAULT_MIN_IMPACT_VELOCITY,
         }
     }
 }

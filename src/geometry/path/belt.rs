@@ -9,6 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::geometry::{Vec2, turned_left};
 
+/// Angle below a full turn from which on a wrap counts as none \[rad\]: rounding must not make a wheel that is only touched a full turn.
+pub(crate) const WRAP_ROUNDING: f64 = 1e-9;
+/// Deviation of the winding number from one that counts as none: other loops differ by a whole turn.
+const TURNS_ROUNDING: f64 = 1e-6;
+
 /// Side of the loop on which a wheel lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Side {
@@ -113,8 +118,11 @@ impl Belt {
             let [before, after] = [spans[(i + n - 1) % n], spans[i]].map(|span| span.direction);
             let turn = (before.x * after.y - before.y * after.x).atan2(before.dot(&after));
             let wrap = (pulley.side.sign() * turn).rem_euclid(TAU);
-            // A wheel that is only touched has no wrap: rounding must not make it a full turn.
-            wraps.push(if wrap > TAU - 1e-9 { 0.0 } else { wrap });
+            wraps.push(if wrap > TAU - WRAP_ROUNDING {
+                0.0
+            } else {
+                wrap
+            });
         }
         let turned = pulleys.iter().zip(&wraps).map(|(p, w)| p.side.sign() * w);
         let arcs = pulleys.iter().zip(&wraps).map(|(p, w)| p.radius * w);
@@ -129,7 +137,7 @@ impl Belt {
     /// Return whether the winding number is one.
     #[must_use]
     pub fn is_simple(&self) -> bool {
-        (self.turns - 1.0).abs() < 1e-6
+        (self.turns - 1.0).abs() < TURNS_ROUNDING
     }
 
     /// Return the force of a belt tension of 1 N in both spans on wheel `i` \[N\].

@@ -4,6 +4,9 @@ use std::f64::consts::PI;
 
 use crate::geometry::{Vec2, turned_left};
 
+/// Slack of a strand, over its span, below which it counts as straight: rounding of its length.
+const STRAIGHT: f64 = 1e-11;
+
 /// A strand's hinges between its ends: evenly on the straight line, or on a circular arc of equal links when slack.
 pub(crate) struct Bow {
     span: f64,
@@ -22,7 +25,7 @@ impl Bow {
             pitch,
             link_angle: 0.0,
         };
-        if n * pitch - span < 1e-11 * span {
+        if n * pitch - span < STRAIGHT * span {
             return bow;
         }
         // span / pitch = sin(n g / 2) / sin(g / 2) falls from n to 0 over 0 < g < 2 pi / n.

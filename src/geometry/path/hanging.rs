@@ -15,6 +15,12 @@ const FITTING: f64 = 1e-15;
 const LARGEST_MISFIT: f64 = 1e-11;
 /// Slack, over the length, below which links count as taut: they lie on a straight line.
 const TAUT: f64 = 1e-12;
+/// Least horizontal span of the catenary of the first guess, over its length: ends above each other have a finite ratio.
+const LEAST_SPAN: f64 = 1e-6;
+/// Relative correction of its parameter at which Newton's method ends: rounding.
+const SETTLED: f64 = 1e-14;
+/// Least part of its parameter that remains in one correction: it stays positive.
+const LEAST_PART: f64 = 0.1;
 
 /// One link.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,7 +127,7 @@ fn taut(from: Vec2, along: Vec2, links: &[HangingLink]) -> Hanging {
 fn first_guess(reach: Vec2, down: Vec2, length: f64, weight: f64) -> Vec2 {
     let rise = -reach.dot(&down);
     let across = reach + rise * down;
-    let span = across.norm().max(1e-6 * length);
+    let span = across.norm().max(LEAST_SPAN * length);
     let sideways = if across.norm() > 0.0 {
         across.normalize()
     } else {
@@ -137,10 +143,10 @@ fn first_guess(reach: Vec2, down: Vec2, length: f64, weight: f64) -> Vec2 {
     for _ in 0..30 {
         let (value, slope) = (x.sinh() - ratio * x, x.cosh() - ratio);
         let step = value / slope;
-        if step.abs() < 1e-14 * x {
+        if step.abs() < SETTLED * x {
             break;
         }
-        x = (x - step).max(0.1 * x);
+        x = (x - step).max(LEAST_PART * x);
     }
     let per_meter = weight / length;
     let upward = 0.5 * (per_meter * rise / x.tanh() - weight);

@@ -11,6 +11,17 @@ use std::f64::consts::PI;
 use crate::geometry::Vec2;
 use layout::WrapLayout;
 
+/// Difference of the lengths of a strand and of its links that counts as none \[m\]: rounding.
+pub(crate) const CLOSED: f64 = 1e-12;
+/// The same, and a difference of centre distances, over the centre distance.
+pub(crate) const CLOSED_SHARE: f64 = 1e-12;
+/// Least centre distance of a belt, in pitches: on wheels of one size it is not zero.
+const LEAST_DISTANCE: f64 = 1e-3;
+/// Width of the bracket of a centre distance at which bisection ends, over the distance: some roundings.
+const NARROW: f64 = 1e-15;
+/// Pitches by which ties of rounding to whole pitches are decided on every machine: rounding of a wrap or a length is less.
+const TIE: f64 = 1e-9;
+
 /// What the path needs to know of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheel {
@@ -121,11 +132,14 @@ fn belt(pitch: f64, teeth: [u32; 2], center_distance: f64) -> (f64, [f64; 2]) {
 pub fn belt_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f64> {
     let shortest = (pitch_radius(pitch, teeth[0]) - pitch_radius(pitch, teeth[1])).abs();
     let excess = |c: f64| belt_length(pitch, teeth, c) - f64::from(links);
-    let (mut low, mut high) = (shortest.max(1e-3 * pitch), f64::from(links) * pitch);
+    let (mut low, mut high) = (
+        shortest.max(LEAST_DISTANCE * pitch),
+        f64::from(links) * pitch,
+    );
     if excess(low) > 0.0 {
         return None;
     }
-    while high - low > 1e-15 * high {
+    while high - low > NARROW * high {
         let middle = 0.5 * (low + high);
         if excess(middle) > 0.0 {
             high = middle;
@@ -146,8 +160,8 @@ pub fn seated_pitches(pitch: f64, teeth: [u32; 2], center_distance: f64) -> [u32
     let (_, wrap) = belt(pitch, teeth, center_distance);
     // Ties go down on the first and up on the second on every machine: 8.5 and 8.5 pitches are 8 and 9.
     [
-        whole((wrap[0] - 1e-9).round()),
-        whole((wrap[1] + 1e-9).round()),
+        whole((wrap[0] - TIE).round()),
+        whole((wrap[1] + TIE).round()),
     ]
 }
 
@@ -199,13 +213,13 @@ pub fn path_at(
     let tight = slack_strand.other();
     if let Some(shift) = layout.tighten(tight, center_distance) {
         let path = layout.path(shift, center_distance);
-        if path.slack[slack_strand as usize] > -1e-12 * center_distance {
+        if path.slack[slack_strand as usize] > -CLOSED_SHARE * center_distance {
             return Some(path);
         }
     }
     let shift = layout.balance(center_distance)?;
     let path = layout.path(shift, center_distance);
-    path.slack.iter().all(|&s| s <= 1e-12).then_some(path)
+    path.slack.iter().all(|&s| s <= CLOSED).then_some(path)
 }
 
 /// Splits to try at a given centre distance, the most natural first.
@@ -241,7 +255,7 @@ pub fn splits_at(
         };
         let rest = even.strands[0] + even.strands[1];
         // The tight strand takes what lies straight, and never more than half.
-        let tight = whole((straight - 1e-9).round()).clamp(1, rest / 2);
+        let tight = whole((straight - TIE).round()).clamp(1, rest / 2);
         for tight in [
             tight,
             tight.saturating_sub(1).max(1),

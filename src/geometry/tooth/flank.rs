@@ -5,6 +5,9 @@
 
 use crate::geometry::{Arc, Segment, Vec2, turned_left, unit};
 
+/// Distance past the end of a piece, over the radius of the cut, at which a point still is on it: rounding.
+const PAST_END: f64 = 1e-9;
+
 /// A curve of a flank, seen from outside the material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SurfaceCurve {
@@ -224,7 +227,7 @@ impl Flank {
     /// Return the flank cut by the circle of `outside` about `center`, its edge rounded by an arc of radius `edge`; `axis` is the
     /// unit vector from `center` along the middle of the tooth. `None` where the circle does not meet the flank.
     pub(crate) fn cut(&self, center: Vec2, axis: Vec2, outside: f64, edge: f64) -> Option<Self> {
-        let slack = 1e-9 * outside;
+        let slack = PAST_END * outside;
         for (i, piece) in self.pieces.iter().enumerate() {
             for middle in piece.curve.inscribed(edge, center, outside) {
                 let from_center = middle - center;

@@ -6,8 +6,11 @@ use super::projection::Projector;
 
 /// Scaled residual of positions above which damped least squares precede Newton's iterations.
 const FAR: f64 = 1e-3;
-/// Scaled residual of positions at which damped least squares end and Newton's iterations take over.
-const NEAR: f64 = 1e-9;
+/// Scaled residual of positions at which damped least squares end and Newton's iterations take over. Up to this, error texts name the
+/// residuals of velocities.
+pub(super) const NEAR: f64 = 1e-9;
+/// The same that is accepted after the last iteration: where solutions coincide, convergence is slow.
+const NEAR_AT_LAST: f64 = 1e3 * NEAR;
 /// Largest number of constraints with damped least squares, whose matrix is dense. Larger mechanisms use Newton's iterations alone.
 const MOST_ROWS: usize = 600;
 /// Largest rotation of a body in one iteration \[rad\].
@@ -17,8 +20,18 @@ const MOST_TURN: f64 = 0.5;
 const NUDGE: f64 = 0.1;
 /// Largest number of iterations of damped least squares.
 const MOST_ITERATIONS: usize = 300;
-/// Largest number of damping factors tried in one iteration; each is ten times the one before.
+/// Largest number of damping factors tried in one iteration.
 const MOST_TRIALS: usize = 24;
+/// Damping factor of the first trial, over the largest diagonal entry.
+const FIRST_DAMPING: f64 = 1e-3;
+/// Ratio of a damping factor to that of the trial before.
+const DAMPING_GROWTH: f64 = 10.0;
+/// Factor of the damping after an accepted trial, whose own growth precedes it: one accepted at the first trial divides it by 10.
+const DAMPING_REDUCTION: f64 = 1e-2;
+/// Least damping factor. It separates damping from rounding of the diagonal entries, some 1e-16 of them.
+const LEAST_DAMPING: f64 = 1e-14;
+/// Relative decrease of the residual below which the iterations count as stagnant.
+const LEAST_DECREASE: f64 = 1e-9;
 
 impl Projector<'_> {
     /// Move distant positions close to the constraints. Return false where the positions of least residual do not satisfy them.
@@ -63,7 +76,7 @@ impl Projector<'_> {
         let n = self.model.coordinates();
         self.place(t, state);
         let size = self.model.size(self.frames);
-        let mut damping = 1e-3;
+        let mut damping = FIRST_DAMPING;
         let mut miss = self.scaled_residuals(size);
         for _ in 0..MOST_ITERATIONS {
             if self.worst() <= NEAR {
@@ -87,7 +100,7 @@ impl Projector<'_> {
                 for i in 0..damped.nrows() {
                     damped[(i, i)] += damping * scale;
                 }
-                damping *= 10.0;
+                damping *= DAMPING_GROWTH;
                 let Some(factors) = damped.cholesky() else {
                     continue;
                 };
@@ -107,11 +120,10 @@ impl Projector<'_> {
                 self.place(t, &trial);
                 let found = self.scaled_residuals(size);
                 if found.norm() < before {
-                    fallen = found.norm() < before * (1.0 - 1e-9);
+                    fallen = found.norm() < before * (1.0 - LEAST_DECREASE);
                     state.copy_from_slice(&trial);
                     miss = found;
-                    // Each trial multiplies μ by 10, so an iteration accepted at the first trial divides it by 10.
-                    damping = (damping * 1e-2).max(1e-14);
+                    damping = (damping * DAMPING_REDUCTION).max(LEAST_DAMPING);
                     break;
                 }
             }
@@ -120,8 +132,7 @@ impl Projector<'_> {
             }
         }
         self.place(t, state);
-        // Where solutions coincide, convergence is slow; a larger residual is accepted there.
-        self.worst() <= 1e3 * NEAR
+        self.worst() <= NEAR_AT_LAST
     }
 
     /// Return the residuals, with lengths divided by the size.

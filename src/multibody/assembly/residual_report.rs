@@ -1,5 +1,6 @@
 //! Error texts of assembly: residuals by joint, and the values prescribed by drivers.
 
+use super::approach::NEAR;
 use crate::error::Error;
 use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::constraints::equation::{Equation, EquationRow};
@@ -12,7 +13,7 @@ const MISSED: f64 = 1e-6;
 impl ConstraintState {
     /// Return the residuals of positions by joint as text, or those of velocities where positions satisfy the constraints.
     pub(crate) fn largest_residuals(&self, model: &MechanismModel, frames: &[Frame]) -> String {
-        let missed = if self.worst(model, frames) <= 1e-9 {
+        let missed = if self.worst(model, frames) <= NEAR {
             self.rates(model, frames)
         } else {
             self.position_residuals(model)
@@ -83,7 +84,7 @@ impl ConstraintState {
 
     /// Return the error for an assembly that failed, with the residuals by joint.
     pub(crate) fn refuse(&self, model: &MechanismModel, frames: &[Frame]) -> Error {
-        if self.worst(model, frames) <= 1e-9 {
+        if self.worst(model, frames) <= NEAR {
             return Error::Impossible(format!(
                 "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may prescribe \
                  different speeds, or a driver may contradict the joints",

@@ -4,6 +4,9 @@ use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
 
+/// Least scale of velocity residuals \[m/s, rad/s\]: at rest it separates rounding from velocities that contradict the joints.
+const LEAST_SPEED: f64 = 1e-3;
+
 impl MechanismModel {
     /// Return the size of the mechanism \[m\]: the largest coordinate of a centre of mass or of a joint's point.
     ///
@@ -42,11 +45,11 @@ impl ConstraintState {
         }))
     }
 
-    /// Return the scale of velocity residuals: the largest velocity component or prescribed rate, at least 1e-3.
+    /// Return the scale of velocity residuals: the largest velocity component or prescribed rate, at least [`LEAST_SPEED`].
     pub(crate) fn speed(&self, frames: &[Frame]) -> f64 {
         let speeds = frames.iter().map(|f| f.velocity.amax().max(f.spin.abs()));
         let prescribed = self.rows.iter().map(|row| row.time_rate.abs());
-        speeds.chain(prescribed).fold(1e-3, f64::max)
+        speeds.chain(prescribed).fold(LEAST_SPEED, f64::max)
     }
 }
 

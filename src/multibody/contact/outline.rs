@@ -19,6 +19,9 @@ const SMOOTH: f64 = 1e-6;
 /// Distance of the contact points included in the first search, over the radius of the circle.
 const NEAR: f64 = 2.0;
 
+/// Quarter turns by which an arc may exceed a whole number of them without another part: rounding of its angle.
+const QUARTER_ROUNDING: f64 = 1e-9;
+
 /// A candidate contact point: a local minimum or maximum of the distance between a profile and the centre of a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ContactPoint {
@@ -82,7 +85,7 @@ impl Outline {
         let mut parts = Vec::new();
         for (number, piece) in pieces.iter().enumerate() {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most 5
-            let count = (piece.span() / std::f64::consts::FRAC_PI_2 - 1e-9)
+            let count = (piece.span() / std::f64::consts::FRAC_PI_2 - QUARTER_ROUNDING)
                 .ceil()
                 .max(1.0) as usize;
             parts.extend(piece.split(count).into_iter().map(|part| OutlinePart {

@@ -4,6 +4,9 @@ use super::profile::Curvature;
 use crate::error::{Error, Result, check};
 use crate::geometry::{Vec2, turned_left};
 
+/// Largest difference of the radii at both ends of an arc, over the larger one. It separates rounded coordinates from a wrong centre.
+const RADIUS_MISMATCH: f64 = 1e-6;
+
 /// A piece of an outline \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
@@ -32,7 +35,7 @@ impl Piece {
         }
         if let Some(center) = self.center {
             let (first, last) = ((self.from - center).norm(), (self.to - center).norm());
-            if !((first - last).abs() <= 1e-6 * first.max(last) && first > 0.0) {
+            if !((first - last).abs() <= RADIUS_MISMATCH * first.max(last) && first > 0.0) {
                 return Err(Error::invalid(
                     name,
                     format!("an arc of radii {first} m and {last} m at its ends"),

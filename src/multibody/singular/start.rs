@@ -19,6 +19,12 @@ const ITERATIONS: usize = 40;
 const HOLDS: [f64; 3] = [1e-2, 3e-3, 1e-3];
 /// Number of nearby positions.
 const TRIALS: usize = 3;
+/// Angle between the sines of consecutive coordinates in the displacement of the first trial \[rad\]; a multiple of it in the others. As
+/// no simple part of a turn it gives all coordinates different components.
+const SINE_STEP: f64 = 1.7;
+/// Parts of the near-singular threshold with which a nearby position is projected, tried in this order. A constraint that is dependent at
+/// the start may have little independence nearby.
+const THRESHOLD_PARTS: [f64; 3] = [1.0, 0.1, 0.01];
 
 impl MechanismDynamics {
     /// Determine the rank of the constraints near the start and the near-singular threshold. `state` is the start, which was just
@@ -49,7 +55,7 @@ impl MechanismDynamics {
             // A deterministic displacement with different components in each trial.
             for (i, change) in change.iter_mut().enumerate() {
                 let unit = if i % 3 == 2 { 1.0 } else { size };
-                *change = BESIDE * unit * (1.7 * (i + 1) as f64 * trial as f64).sin();
+                *change = BESIDE * unit * (SINE_STEP * (i + 1) as f64 * trial as f64).sin();
             }
             // The displacement is made tangential to the constraints: with residuals, redundant constraints appear to be independent.
             self.evaluate(0.0, state);
@@ -61,9 +67,8 @@ impl MechanismDynamics {
             for (q, change) in place.iter_mut().zip(&change) {
                 *q += change;
             }
-            // A constraint that is dependent at the start may have little independence nearby.
             let near = self.constraints.near_singular;
-            let reached = [1.0, 0.1, 0.01].iter().any(|part| {
+            let reached = THRESHOLD_PARTS.iter().any(|part| {
                 self.constraints.near_singular = part * near;
                 (self.projector()).project(delay, &mut place, ITERATIONS, AtHand::Nothing)
             });

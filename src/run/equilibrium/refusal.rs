@@ -1,13 +1,11 @@
 //! Reasons why a drive has no static equilibrium, or why none was found, in words.
 
 use crate::drive::{ChainEnd, Drive, Sprocket, SprocketMotion};
-use crate::layout::Layout;
+use crate::layout::{Layout, USUAL_SAG};
 
 /// Smallest ratio of a strand's tension to its weight for an equilibrium near the initial configuration: the strand then sags by a quarter
 /// of its span. A smaller tension moves the tensioner far back, which takes 10,000 iterations and more.
 const LEAST_TENSION: f64 = 0.5;
-/// Largest usual ratio of sag to span, for the proposed tension.
-const USUAL_SAG: f64 = 0.06;
 
 /// Return the causes shown by the drive itself; otherwise the remaining possible causes.
 pub(super) fn causes(drive: &Drive, layout: &Layout) -> String {

@@ -21,6 +21,8 @@ const LARGEST_MOVE: f64 = 0.02;
 /// Largest displacement in the second attempt, in pitches: one or two hinge clearances, so that no bushing moves into the middle of a
 /// tooth.
 const SHORT_MOVE: f64 = 0.002;
+/// Least force that unbalanced forces are compared with \[N\]: a drive without any load has no force of its own.
+const LEAST_FORCE: f64 = 1e-6;
 /// Maximum number of iterations. Of 61 random tensioned drives, those whose strands weigh four to eleven times their tension pull the
 /// tensioner far back and need most, 52,000 to 68,000. With twice this number a refusal takes twice as long.
 const MOST_ITERATIONS: u32 = 100_000;
@@ -33,7 +35,7 @@ fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
     }
 }
 
-/// Return the largest external force \[N\]: weight of a link, force of a tensioner, torque over a pitch radius; at least a micronewton.
+/// Return the largest external force \[N\]: weight of a link, force of a tensioner, torque over a pitch radius; at least [`LEAST_FORCE`].
 fn applied_force(model: &Model) -> f64 {
     let moved = (0..model.links).filter(|&i| !model.is_held(i));
     let heaviest = moved.fold(0.0, |most: f64, i| most.max(model.chain.mass[i]));
@@ -41,7 +43,7 @@ fn applied_force(model: &Model) -> f64 {
         let torque = sprocket.applied_torque(0.0, 0.0) / sprocket.profile.pitch_radius;
         sprocket.pull(0.0).abs().max(torque.abs())
     });
-    outside.fold((model.gravity.norm() * heaviest).max(1e-6), f64::max)
+    outside.fold((model.gravity.norm() * heaviest).max(LEAST_FORCE), f64::max)
 }
 
 /// Drive at rest.

@@ -4,6 +4,18 @@
 const FIRST_GAMMA: f64 = 3e-5;
 /// Shortest γ \[s\].
 const SHORTEST_GAMMA: f64 = 1e-6;
+/// Factor of γ after a singular matrix, a step that is not finite, or a step that the constraints do not permit.
+const GAMMA_AFTER_FAILURE: f64 = 0.25;
+/// Factor of γ after a full step whose residual is not [`TOLERATED_GROWTH`] times the one before.
+const GAMMA_GROWTH: f64 = 1.5;
+/// Factor of γ after a step that is limited to less than [`SHORT_SHARE`], or whose residual is above [`LARGE_GROWTH`] times the one before.
+const GAMMA_REDUCTION: f64 = 0.6;
+/// Ratio of residuals from which on γ does not grow.
+const TOLERATED_GROWTH: f64 = 1.2;
+/// Ratio of residuals above which γ shrinks.
+const LARGE_GROWTH: f64 = 2.0;
+/// Share of a step permitted by the largest displacement below which γ shrinks.
+const SHORT_SHARE: f64 = 0.1;
 /// Number of iterations between updates of the surface stored for each contact. The force jumps where two surfaces of different
 /// stiffness meet, and no equilibrium may exist until one of them is kept.
 const BETWEEN_MEMORIES: u32 = 500;
@@ -135,7 +147,7 @@ pub(super) fn settle(
         // A singular matrix or a step that is not finite: γ is reduced and the iteration repeated. Here γ may fall below the shortest
         // one of other steps: the matrix tends to that of the masses, which is regular, and the next step may return to it.
         if !system.find_step(gamma, &mut step) || !step.iter().all(|step| step.is_finite()) {
-            gamma *= 0.25;
+            gamma *= GAMMA_AFTER_FAILURE;
             continue;
         }
         tolerance = if gamma == system.longest_gamma() && system.is_rounding(&step) {
@@ -146,17 +158,15 @@ pub(super) fn settle(
         // The step is shortened to the largest permitted displacement.
         let share = (1.0 / system.excess(&step, second)).min(1.0);
         if !system.move_by(share, &step) {
-            gamma *= 0.25;
+            gamma *= GAMMA_AFTER_FAILURE;
             continue;
         }
         let before = residual;
         residual = system.unbalanced();
-        // γ grows after a full step with less than 1.2 times the residual. It shrinks after a step limited to less than a tenth, or
-        // with more than twice the residual.
-        gamma = if share == 1.0 && residual < 1.2 * before {
-            (1.5 * gamma).min(system.longest_gamma())
-        } else if share < 0.1 || residual > 2.0 * before {
-            (0.6 * gamma).max(SHORTEST_GAMMA)
+        gamma = if share == 1.0 && residual < TOLERATED_GROWTH * before {
+            (GAMMA_GROWTH * gamma).min(system.longest_gamma())
+        } else if share < SHORT_SHARE || residual > LARGE_GROWTH * before {
+            (GAMMA_REDUCTION * gamma).max(SHORTEST_GAMMA)
         } else {
             gamma
         };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Path, Split, Strand, Wheel};
+use super::{CLOSED, CLOSED_SHARE, Path, Split, Strand, Wheel};
 use crate::geometry::path::bow::Bow;
 use crate::geometry::{Vec2, turned_left, unit};
 
@@ -97,7 +97,7 @@ impl WrapLayout {
                 return None;
             }
         }
-        (best < 1e-12 * distance).then_some(solution)
+        (best < CLOSED_SHARE * distance).then_some(solution)
     }
 
     /// Shift at which `residual(shift)`, with its slope, vanishes.
@@ -113,7 +113,7 @@ impl WrapLayout {
                 break;
             }
         }
-        (best < 1e-12).then_some(solution)
+        (best < CLOSED).then_some(solution)
     }
 
     /// Shift at which `strand` is straight and taut.

@@ -6,6 +6,9 @@ use super::{Surface, ToothProfile};
 use crate::geometry::tooth::flank::nearest_piece;
 use crate::geometry::{Vec2, turned_left};
 
+/// Penetration of another surface, over the radius, above which a cylinder cannot roll along the gap.
+const JAMMED: f64 = 1e-4;
+
 /// Contact of a cylinder in one tooth gap, in the frame of the gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToothContact {
@@ -134,7 +137,7 @@ impl ToothProfile {
                     continue;
                 }
                 let depth = deepest(place).max(self.contact(place, radius).penetration);
-                if depth > 1e-4 * radius {
+                if depth > JAMMED * radius {
                     return Some((Surface(number), depth));
                 }
             }
