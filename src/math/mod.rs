@@ -1,6 +1,6 @@
 //! Numerics without physics: SIMD arithmetic, functions of time and of rows, factorisations.
 
-pub(crate) mod cholesky;
+pub(crate) mod dense;
 pub(crate) mod double_double;
 mod piecewise;
 mod real;

@@ -1,10 +1,9 @@
 //! Coordinates of the sprockets on the border of Newton's matrix, and the small dense system of the border.
 
-use crate::chain::model::{Model, Rotation, SprocketModel, Support};
-
-use super::dense::Dense;
 use super::tooth_motion::BorderMotion;
+use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 use crate::chain::rhs::pose::SprocketPose;
+use crate::math::dense::Dense;
 
 /// Coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
 #[derive(Debug, Clone)]

@@ -14,7 +14,6 @@ mod border;
 mod bores;
 mod contacts;
 mod correct;
-mod dense;
 mod film;
 mod link_ends;
 mod link_group;

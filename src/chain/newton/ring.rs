@@ -12,7 +12,7 @@ use pulp::Simd;
 
 use super::blocks::{Block, Symmetric, all, from_left, from_right};
 use super::contacts::BASE;
-use super::dense::Dense;
+use crate::math::dense::Dense;
 use crate::math::simd::{
     Lanes, Mask, Numbers, Pack, Pack8, WIDTH, lane_numbers, load, packs_mut, padded_zeros, parts,
     transposed, vectors, write,

@@ -1,6 +1,6 @@
 //! Null space of the multipliers of redundant constraints: which constraints are redundant, and the multipliers of least Euclidean norm.
 
-use crate::math::cholesky::solve_positive;
+use crate::math::dense::Dense;
 
 /// Linearly independent vectors, each a set of multipliers in the order of elimination.
 #[derive(Debug, Clone, Default)]
@@ -21,19 +21,20 @@ impl NullSpace {
         if self.vectors.is_empty() {
             return;
         }
-        let count = self.vectors.len();
         // Least squares: Gram matrix times parts = projections of the multipliers.
-        let mut normal = Vec::with_capacity(count * count);
-        for a in &self.vectors {
-            let along = |b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-            normal.extend(self.vectors.iter().map(along));
+        let mut gram = Dense::new(self.vectors.len());
+        for (i, a) in self.vectors.iter().enumerate() {
+            for (j, b) in self.vectors.iter().enumerate() {
+                gram.add(i, j, a.iter().zip(b).map(|(a, b)| a * b).sum());
+            }
         }
         let along = |vector: &Vec<f64>| {
             let terms = multipliers.iter().zip(place);
             terms.map(|(lambda, &k)| lambda * vector[k]).sum::<f64>()
         };
         let mut parts: Vec<f64> = self.vectors.iter().map(along).collect();
-        if solve_positive(&mut normal, count, &mut parts) {
+        if gram.factorise() {
+            gram.solve(&mut parts);
             for (vector, part) in self.vectors.iter().zip(&parts) {
                 for (lambda, &k) in multipliers.iter_mut().zip(place) {
                     *lambda -= part * vector[k];

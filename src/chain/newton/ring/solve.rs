@@ -4,8 +4,8 @@ use pulp::Simd;
 
 use super::super::blocks::{Block, Symmetric, Vector, from_left, from_right};
 use super::super::contacts::BASE;
-use super::super::dense::Dense;
 use super::{Ring, gather};
+use crate::math::dense::Dense;
 use crate::math::simd::{Lanes, Numbers, WIDTH, parts, transposed, vectors_mut, write};
 
 impl Ring {

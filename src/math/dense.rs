@@ -2,7 +2,7 @@
 
 /// Square matrix, later its factors.
 #[derive(Debug, Clone)]
-pub(super) struct Dense {
+pub(crate) struct Dense {
     size: usize,
     /// Row-major entries; later the factors L and U with the inverses of the pivots.
     entries: Vec<f64>,
@@ -11,7 +11,7 @@ pub(super) struct Dense {
 
 impl Dense {
     /// Allocate a matrix of `size` rows.
-    pub(super) fn new(size: usize) -> Self {
+    pub(crate) fn new(size: usize) -> Self {
         Self {
             size,
             entries: vec![0.0; size * size],
@@ -21,28 +21,28 @@ impl Dense {
 
     /// Set all entries to zero.
     #[inline]
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.entries.fill(0.0);
     }
 
     /// Add `value` to one entry.
     #[inline]
-    pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
+    pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {
         self.entries[row * self.size + column] += value;
     }
 
     /// Return the entries in row-major order.
-    pub(super) fn entries(&self) -> &[f64] {
+    pub(crate) fn entries(&self) -> &[f64] {
         &self.entries
     }
 
     /// Return the diagonal entries.
-    pub(super) fn diagonal(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn diagonal(&self) -> impl Iterator<Item = f64> {
         self.entries.iter().step_by(self.size + 1).copied()
     }
 
     /// Factorise P A = L U in place; return false where a pivot is zero or not finite.
-    pub(super) fn factorise(&mut self) -> bool {
+    pub(crate) fn factorise(&mut self) -> bool {
         let (size, matrix) = (self.size, &mut self.entries);
         for k in 0..size {
             // Partial pivoting: the largest entry of the column.
@@ -75,7 +75,7 @@ impl Dense {
     }
 
     /// Solve L U x = P b in place.
-    pub(super) fn solve(&self, right: &mut [f64]) {
+    pub(crate) fn solve(&self, right: &mut [f64]) {
         let (size, matrix) = (self.size, &self.entries);
         for (k, &pivot) in self.pivots.iter().enumerate() {
             right.swap(k, pivot);
