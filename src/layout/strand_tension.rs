@@ -1,4 +1,4 @@
-//! The strands of a chain, and the tensions of those of a closed one from where its hinges are and what they pull.
+//! The strands of a chain, and their tensions from where its hinges are and what they pull.
 
 use super::open_layout::open_strands;
 use crate::drive::{BeltLine, Drive};
@@ -22,9 +22,9 @@ pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
     )
 }
 
-/// A closed chain at one instant.
+/// A chain at one instant, as a ring of links.
 pub(crate) struct ChainRow<'a> {
-    /// Centres of the links' bodies, x and y \[m\].
+    /// Centres of the links, x and y \[m\]. Those of an open chain are followed by the pins of its last and its first end.
     pub(crate) links: [&'a [f64]; 2],
     /// Centre of the bushing of each hinge, x and y \[m\].
     pub(crate) bushings: [&'a [f64]; 2],
@@ -50,17 +50,39 @@ impl ChainRow<'_> {
         x.iter().zip(y).map(|(&x, &y)| Vec2::new(x, y))
     }
 
-    /// Mean pull along the chain of the hinges of each strand \[N\]; zero for one without hinges.
+    /// Mean pull along the chain of the hinges of each strand of a closed chain \[N\]; zero for one without hinges.
     ///
     /// Two sprockets: upper strand, left of the line from the first listed to the second, then lower strand. More: strand `i` leaves
     /// `pulleys[i]`.
     pub(crate) fn strand_tensions(&self) -> Vec<f64> {
-        let means = match self.pulleys {
+        averages(&match self.pulleys {
             [second, first] => self.between_two(first, second),
             _ => self.between_many(),
-        };
-        let mean = |mean: &Mean| mean.sum / f64::max(mean.count, 1.0);
-        means.iter().map(mean).collect()
+        })
+    }
+
+    /// The same of an open chain, from its first end to its last.
+    ///
+    /// A hinge in reach of a sprocket is in no strand, and those after it are in the next one. Hinges without contact are `open`.
+    pub(crate) fn open_strand_tensions(&self, open: impl Fn(usize) -> bool) -> Vec<f64> {
+        let links = self.links[0].len() - 2;
+        let mut means = vec![Mean::default(); self.pulleys.len() + 1];
+        let mut strand = 0_usize;
+        for k in std::iter::once(links + 1).chain(0..links) {
+            let bushing = Vec2::new(self.bushings[0][k], self.bushings[1][k]);
+            let beside = strand.saturating_sub(1)..self.pulleys.len().min(strand + 1);
+            if let Some(s) = beside.rev().find(|&s| self.touches(s, bushing)) {
+                strand = s + 1;
+            } else if !open(k) {
+                self.add(k, &mut means[strand]);
+            }
+        }
+        averages(&means)
+    }
+
+    /// Whether sprocket `s` is in reach of a bushing.
+    fn touches(&self, s: usize, bushing: Vec2) -> bool {
+        (bushing - self.pulleys[s].center).norm() < self.reaches[s]
     }
 
     /// Adds hinge `k` to the hinges of a strand.
@@ -84,10 +106,7 @@ impl ChainRow<'_> {
         let Ok(belt) = Belt::around(self.pulleys) else {
             return means;
         };
-        let touched = |bushing: Vec2| {
-            let mut places = self.pulleys.iter().zip(self.reaches);
-            places.position(|(pulley, &reach)| (bushing - pulley.center).norm() < reach)
-        };
+        let touched = |bushing| (0..strands).find(|&s| self.touches(s, bushing));
         // The last sprocket that the chain touches before its first hinge.
         let Some(mut last) = self.bushings().rev().find_map(touched) else {
             return means;
@@ -128,6 +147,11 @@ impl ChainRow<'_> {
         }
         means
     }
+}
+
+fn averages(means: &[Mean]) -> Vec<f64> {
+    let average = |mean: &Mean| mean.sum / f64::max(mean.count, 1.0);
+    means.iter().map(average).collect()
 }
 
 /// Distance from the line of a strand of a point that lies between its ends \[m\].

@@ -20,21 +20,21 @@ pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
         &hinges.penetration,
         dynamics.memory.hinge_impact_velocity(),
     ));
-    if dynamics.model().ends.is_some() {
-        row.real(end_rows::tensions(dynamics));
-    } else {
-        row.real(strand_tensions(dynamics));
-    }
+    row.real(strand_tensions(dynamics));
 }
 
-/// Return the tensions of the strands of a closed chain \[N\], in the order of the model's strands.
+/// Return the tensions of the strands \[N\], in the order of the model's strands.
 fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
     let (model, motion, hinges) = (
         dynamics.model(),
         &dynamics.evaluated.motion,
         &dynamics.evaluated.hinges,
     );
-    let wheels = || model.strands.iter().map(|[from, _]| *from);
+    // The first strand of an open chain leaves no sprocket.
+    let wheels = || {
+        let from = model.strands.iter().map(|[from, _]| *from);
+        from.filter(|&s| s < model.toothed())
+    };
     let pulley = |s: usize| {
         let body = model.wheel_body(s);
         Pulley {
@@ -43,16 +43,28 @@ fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
             side: model.sprockets[s].side,
         }
     };
-    ChainRow {
-        links: [&motion.x[..model.links], &motion.y[..model.links]],
+    let mut links = [&motion.x, &motion.y].map(|axis| axis[..model.links].to_vec());
+    if let Some(ends) = &model.ends {
+        // A load lies beside the line of the chain while it swings.
+        for (body, arm) in end_rows::arms(dynamics, ends) {
+            links[0][body] += arm.x;
+            links[1][body] += arm.y;
+        }
+    }
+    let chain = ChainRow {
+        links: links.each_ref().map(Vec::as_slice),
         bushings: hinges.bushing.each_ref().map(Vec::as_slice),
         on_front: hinges.on_front.each_ref().map(Vec::as_slice),
         pulleys: &wheels().map(pulley).collect::<Vec<_>>(),
         reaches: &wheels()
             .map(|s| model.sprockets[s].reach)
             .collect::<Vec<_>>(),
+    };
+    if model.ends.is_some() {
+        chain.open_strand_tensions(|k| model.hinge_is_open(k))
+    } else {
+        chain.strand_tensions()
     }
-    .strand_tensions()
 }
 
 /// Write force, force vector, penetration, eccentricity and impact velocity of every bushing in its roller.
