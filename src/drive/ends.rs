@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Chain;
+use super::material::STEEL_DENSITY;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::math::Signal;
@@ -45,6 +46,13 @@ pub enum ChainEnd {
 }
 
 impl ChainEnd {
+    /// Return the moment of inertia of a steel ball of this mass \[kg m²\], the default of a load: J = 2/5 m r².
+    #[must_use]
+    pub fn ball_inertia(mass: f64) -> f64 {
+        let radius = (mass / (STEEL_DENSITY * 4.0 / 3.0 * std::f64::consts::PI)).cbrt();
+        0.4 * mass * radius * radius
+    }
+
     /// Return an anchored end at rest.
     #[must_use]
     pub fn anchor(position: Vec2) -> Self {

@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, check};
 
+/// Density of steel \[kg/m³\], for the default mass of a sprocket as a disc and the default inertia of a load as a ball.
+pub(super) const STEEL_DENSITY: f64 = 7850.0;
+
 /// Elastic constants and restitution, the same for all parts of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Material {

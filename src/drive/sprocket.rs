@@ -4,14 +4,12 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::material::STEEL_DENSITY;
 use super::{Chain, ToothForm};
 use crate::error::{Error, Result, check};
 use crate::geometry::path::belt::Side;
 use crate::geometry::{AnsiCurves, Damage, ToothProfile, Vec2, unit};
 use crate::math::{Signal, Table};
-
-/// Density of steel \[kg/m³\], for the default mass of a sprocket as a disc.
-const STEEL_DENSITY: f64 = 7850.0;
 
 /// Condition on a sprocket's rotation; counterclockwise is positive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

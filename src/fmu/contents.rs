@@ -10,7 +10,7 @@ use crate::drive::{Drive, InputQuantity};
 use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
-use crate::run::simulation::Simulation;
+use crate::run::simulation::{Simulation, Snapshot};
 use crate::system::{Channel, Recording, Values, hash};
 
 /// Version of the file; every change of the contents has a new version.
@@ -104,7 +104,7 @@ impl Contents {
         let model = Model::compile(&self.drive, &self.laws, &self.start)?;
         let mut simulation = Simulation::new(Arc::new(model), &self.start, self.control)?;
         if let Some(state) = &self.state {
-            simulation.restore(&crate::Snapshot::from_bytes(state)?)?;
+            simulation.restore(&Snapshot::from_bytes(state)?)?;
         }
         Ok(simulation)
     }

@@ -4,11 +4,11 @@ pub(crate) mod components;
 pub mod path;
 pub(crate) mod tooth;
 
-pub use tooth::ansi::AnsiCurves;
+pub use tooth::ansi::{AnsiCurves, ansi_outside_radius};
 pub use tooth::arc::Arc;
 pub use tooth::custom::{Misfit, OutlinePiece};
 pub use tooth::flank::{SurfaceCurve, SurfacePiece};
-pub use tooth::iso::{Blank, IsoGap, iso_tip_diameters};
+pub use tooth::iso::{Blank, IsoGap, SEAT_OVER_ROLLER, iso_tip_diameters};
 pub use tooth::profile::{Damage, Seat, Surface, ToothContact, ToothProfile};
 pub use tooth::segment::Segment;
 

@@ -14,6 +14,7 @@ use super::starts::{drive_of, generated};
 use crate::drive::{BeltLine, Drive, HingeKind, MOST_LINKS, check_links};
 use crate::error::{Error, check};
 use crate::geometry::Vec2;
+use crate::geometry::ansi_outside_radius;
 use crate::run::equilibrium::Equilibrium;
 
 fn each<T, V>(items: &[T], value: impl Fn(&T) -> V) -> Vec<V> {
@@ -202,16 +203,19 @@ pub(super) fn closing_center_distance(
     })
 }
 
+/// Distance of the centres over the sum of the outside radii, for the fewest links that a message names: above one, teeth do not touch.
+const TIP_CLEARANCE: f64 = 1.001;
+
 /// Return the number of links that closes around two sprockets with a minimum clearance between them.
 fn fewest_links(pitch: f64, teeth: [u32; 2]) -> u32 {
-    let outside = |n: u32| {
-        let half = std::f64::consts::PI / f64::from(n);
-        0.5 * pitch * (0.6 + 1.0 / half.tan())
-    };
     crate::layout::links_for(
         pitch,
         teeth,
-        1.001 * (outside(teeth[0]) + outside(teeth[1])),
+        TIP_CLEARANCE
+            * teeth
+                .map(|n| ansi_outside_radius(pitch, n))
+                .iter()
+                .sum::<f64>(),
     )
 }
 

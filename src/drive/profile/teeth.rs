@@ -4,7 +4,9 @@ use super::{CustomTooth, Tip, ToothForm};
 use crate::drive::Chain;
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap;
-use crate::geometry::{Blank, IsoGap, Misfit, Seat, ToothProfile, iso_tip_diameters};
+use crate::geometry::{
+    Blank, IsoGap, Misfit, SEAT_OVER_ROLLER, Seat, ToothProfile, iso_tip_diameters,
+};
 
 impl ToothForm {
     /// Return the profile of undamaged teeth for `chain`.
@@ -37,7 +39,7 @@ impl ToothForm {
                 self.cut_off(chain, teeth, tooth.seat, tooth.tip_diameter, &form)?
             }
             Self::Straight(tooth) => {
-                let seat = tooth.seat_radius.unwrap_or(0.505 * roller);
+                let seat = tooth.seat_radius.unwrap_or(SEAT_OVER_ROLLER * roller);
                 let form = |blank: &Blank| ToothProfile::straight(blank, seat, tooth.flank_angle);
                 self.cut_off(chain, teeth, tooth.seat, tooth.tip_diameter, &form)?
             }
@@ -98,9 +100,10 @@ impl ToothForm {
         let [least, most] = iso_tip_diameters(chain.pitch, roller_diameter, teeth);
         let pitch_diameter = 2.0 * wrap::pitch_radius(chain.pitch, teeth);
         let seat_radius = match self {
-            Self::Straight(tooth) => tooth.seat_radius.unwrap_or(0.505 * roller_diameter),
-            _ => 0.505 * roller_diameter,
+            Self::Straight(tooth) => tooth.seat_radius,
+            _ => None,
         };
+        let seat_radius = seat_radius.unwrap_or(SEAT_OVER_ROLLER * roller_diameter);
         if roller_diameter >= chain.pitch || seat_radius <= chain.contact_radius() {
             return Err(Error::invalid(
                 format!("{}.roller_diameter", self.name()),

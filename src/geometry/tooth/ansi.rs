@@ -111,6 +111,13 @@ impl AnsiCurves {
     }
 }
 
+/// Return the outside radius \[m\] of a sprocket of z teeth: half of the standard's diameter P (0.6 + cot(180°/z)).
+#[must_use]
+pub fn ansi_outside_radius(pitch: f64, teeth: u32) -> f64 {
+    let half = PI / f64::from(teeth);
+    0.5 * pitch * (0.6 + half.cos() / half.sin())
+}
+
 impl ToothProfile {
     /// Return the profile for chain `pitch` P and `roller_diameter` Dr, both \[m\] (ANSI/ASME B29.1).
     ///
@@ -124,7 +131,7 @@ impl ToothProfile {
             Seat::BottomDiameter => pitch_radius + (curves.seating.radius - 0.5 * roller_diameter),
             Seat::PitchCircle => pitch_radius,
         };
-        let outside_radius = 0.5 * pitch * (0.6 + half.cos() / half.sin());
+        let outside_radius = ansi_outside_radius(pitch, teeth);
         let AnsiCurves {
             seating,
             working,

@@ -5,6 +5,9 @@ use std::f64::consts::PI;
 use super::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit};
 
+/// Smallest seat radius over the roller diameter, of ISO 606.
+pub const SEAT_OVER_ROLLER: f64 = 0.505;
+
 /// Dimensions of an ISO 606 tooth gap \[m, rad\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IsoGap {
@@ -26,7 +29,7 @@ impl IsoGap {
         // The standard's formula 0.069 cbrt(d1) is in millimetres.
         let play = 0.069e-3 * (1e3 * d1).cbrt();
         Self {
-            seat_radius: 0.505 * d1 + share * play,
+            seat_radius: SEAT_OVER_ROLLER * d1 + share * play,
             flank_radius: between(0.12 * d1 * (z + 2.0), 0.008 * d1 * (z * z + 180.0)),
             seat_angle: between(140.0 - 90.0 / z, 120.0 - 90.0 / z).to_radians(),
         }

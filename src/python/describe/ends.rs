@@ -8,8 +8,6 @@ use crate::drive::ChainEnd;
 use crate::math::{Signal, Table};
 
 pub(super) const ENDS: [&str; 3] = ["AnchoredEnd", "LoadedEnd", "FreeEnd"];
-/// Density of steel \[kg/m³\], for the default inertia of a load: that of a steel ball.
-const STEEL: f64 = 7850.0;
 
 /// Read an end of an open chain.
 pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ChainEnd> {
@@ -23,15 +21,11 @@ pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chai
         },
         "LoadedEnd" => {
             let mass = read.number("mass", "kg")?;
-            let ball = |mass: f64| {
-                let radius = (mass / (STEEL * 4.0 / 3.0 * std::f64::consts::PI)).cbrt();
-                0.4 * mass * radius * radius
-            };
             ChainEnd::Load {
                 mass,
                 inertia: read
                     .optional_number("inertia", "kg m^2")?
-                    .unwrap_or_else(|| ball(mass)),
+                    .unwrap_or_else(|| ChainEnd::ball_inertia(mass)),
                 arm: read.number("arm", "m")?,
                 position: read.optional_vector("position", "m")?,
                 links,
