@@ -45,7 +45,7 @@ fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
     };
     let mut links = [&motion.x, &motion.y].map(|axis| axis[..model.links].to_vec());
     if let Some(ends) = &model.ends {
-        // A load lies beside the line of the chain while it swings.
+        // The centre of a load leaves the line of the chain as it swings; with it, a strand of -22 N counted as 5 N.
         for (body, arm) in end_rows::arms(dynamics, ends) {
             links[0][body] += arm.x;
             links[1][body] += arm.y;
