@@ -137,67 +137,23 @@ impl HingeFilm {
         eccentricity: f64,
         velocity: [f64; 2],
     ) -> (FilmForce, FilmGradient) {
-        let found = self.at(eccentricity, velocity);
-        let ratio = eccentricity / self.clearance;
-        let mut gradient = FilmGradient {
-            force: [[0.0; 3]; 2],
-            shear: 0.0,
+        let law = FilmLaw::new((), self);
+        let filled = law.at(eccentricity, velocity, 1.0);
+        let found = law.gradient(&filled);
+        let [[xx, xy], [yx, yy]] = found.by_g;
+        let (most, s) = (found.most, &filled.state);
+        let gradient = FilmGradient {
+            force: [
+                [-found.longer[0], -(most * xx), -(most * s.slant * xy)],
+                [-found.longer[1], -(most * yx), -(most * s.slant * yy)],
+            ],
+            // S = 2π μ L R³/c w/√(1 - ε²)
+            shear: law.shear
+                * law.inverse_clearance
+                * s.over_root
+                * (s.weight * s.ratio).mul_add(s.over_rest, found.weight_slope),
         };
-        if ratio >= 1.0 {
-            return (found, gradient);
-        }
-        // Equations of the module documentation: `weight` is the polynomial of the transition, `other` is b, `turn` is J with the share b
-        // of the other half, and `shape` is J g_r + 2 ε (1 - b) |g|.
-        let part = ((1.0 - ratio) / (1.0 - self.handover)).min(1.0);
-        let weight = part.powi(3) * (10.0 + part * (6.0 * part - 15.0));
-        // dw/dε; zero below the transition.
-        let fading = -30.0 * (part * (1.0 - part)).powi(2) / (1.0 - self.handover);
-        let rest = (1.0 - ratio) * (1.0 + ratio);
-        let root = rest.sqrt();
-        let slant = 2.0 / (2.0 + ratio * ratio);
-        let [along, across] = [velocity[0], slant * velocity[1]];
-        let size = along.hypot(across);
-        let over_size = if size > 0.0 { 1.0 / size } else { 0.0 };
-        let [cosine, sine] = [along * over_size, across * over_size];
-        let reach = size.hypot(self.speed);
-        let over_reach = if reach > 0.0 { 1.0 / reach } else { 0.0 };
-        let other = self.speed * over_reach;
-        let tangent = ratio * cosine / root;
-        let angle = tangent.atan();
-        let turn = (PI * (1.0 + other) + 2.0 * (1.0 - other) * angle) / root;
-        let shape = turn * along + 2.0 * ratio * (1.0 - other) * size;
-        gradient.shear =
-            self.shear * (fading / root + weight * ratio / (rest * root)) / self.clearance;
-        for k in 0..3 {
-            // Derivatives with ε (k = 0), u_r (1) and u_t (2) by the chain rule, in the order of `at`.
-            let [of_ratio, of_along, of_speed] =
-                [0, 1, 2].map(|seed| if seed == k { 1.0 } else { 0.0 });
-            let of_across = slant * of_speed - ratio * slant * slant * velocity[1] * of_ratio;
-            let of_size = cosine * of_along + sine * of_across;
-            let of_cosine = sine * over_size * (sine * of_along - cosine * of_across);
-            let of_other = -other * size * over_reach * over_reach * of_size;
-            let of_tangent = cosine / (rest * root) * of_ratio + ratio / root * of_cosine;
-            let of_angle = of_tangent / (1.0 + tangent * tangent);
-            let of_turn = ((PI - 2.0 * angle) * of_other + 2.0 * (1.0 - other) * of_angle) / root
-                + turn * ratio / rest * of_ratio;
-            let of_shape = of_turn * along
-                + turn * of_along
-                + 2.0 * (1.0 - other) * (size * of_ratio + ratio * of_size)
-                - 2.0 * ratio * size * of_other;
-            let of_weight = fading * of_ratio;
-            let of_push = (weight * of_shape + shape * of_weight) / rest
-                + 2.0 * weight * shape * ratio / (rest * rest) * of_ratio;
-            let of_drag =
-                weight * (turn * of_across + across * of_turn) + turn * across * of_weight;
-            let scale = if k == 0 {
-                -self.pressure / self.clearance
-            } else {
-                -self.pressure
-            };
-            gradient.force[0][k] = scale * of_push;
-            gradient.force[1][k] = scale * of_drag;
-        }
-        (found, gradient)
+        (filled.film, gradient)
     }
 }
 
@@ -244,6 +200,18 @@ struct State<R> {
     turn: R,
     /// Force over the weight and -6 μ L R³/c³.
     shape: [R; 2],
+}
+
+/// Negative derivatives of the force along the eccentricity and to its left.
+struct Gradient<R> {
+    /// Factor of `by_g`, w 6 μ L R³/c³ \[N s/m\].
+    most: R,
+    /// Derivatives of both components with g, over `most`; with u_t they are slant times those with g_t.
+    by_g: [[R; 2]; 2],
+    /// Derivatives of both with the length of the eccentricity \[N/m\].
+    longer: [R; 2],
+    /// dw/dε, with its own sign.
+    weight_slope: R,
 }
 
 /// Symmetric parts of the slopes of film forces: xx along the eccentricity, yy across it, xy the mean of both mixed slopes.
@@ -327,12 +295,11 @@ impl<R: Real> FilmLaw<R> {
         }
     }
 
-    /// Return the negative slopes of these forces with the eccentricity and its velocity.
+    /// Return the derivatives of these forces in the frame of the eccentricity.
     ///
-    /// The slope with the velocity of the half film alone is `∫ (2 - ε cos θ)/(1 - ε cos θ)² n n^T dθ` over the half, times dg/du. The
-    /// slope with the eccentricity has two parts: its length, and its direction, which is the frame of force and velocity.
+    /// That with g of the half film alone is `∫ (2 - ε cos θ)/(1 - ε cos θ)² n n^T dθ` over the half.
     #[inline(always)]
-    pub(crate) fn slopes(&self, filled: &Filled<R>) -> FilmSlopes<R> {
+    fn gradient(&self, filled: &Filled<R>) -> Gradient<R> {
         let s = &filled.state;
         let constant = |value| s.ratio.constant(value);
         let (one, two) = (constant(1.0), constant(2.0));
@@ -353,14 +320,6 @@ impl<R: Real> FilmLaw<R> {
         let xy = turn_across.mul_add(c, grown * n) * s.over_rest;
         let yx = turn_along * n;
         let yy = turn_across.mul_add(n, s.turn);
-        let most = self.pressure * s.weight;
-        let half = constant(0.5);
-        let damping = [
-            most * xx,
-            most * (s.slant * yy),
-            most * (half * s.slant.mul_add(xy, yx)),
-        ];
-
         // d(shape)/dε at constant u; g_t depends on ε through 2/(2 + ε²).
         let turn_slope = s.ratio.mul_add(s.turn, two * lost * c * over_other) * s.over_rest;
         let slower = -(s.ratio * s.slant * h);
@@ -370,13 +329,36 @@ impl<R: Real> FilmLaw<R> {
         let fall = constant(-30.0) * self.over_band * (s.part * s.part);
         let weight_slope = fall * (one - s.part) * (one - s.part);
         let softest = self.pressure * self.inverse_clearance;
-        let longer = [
-            softest * weight_slope.mul_add(fr, s.weight * along),
-            softest * weight_slope.mul_add(ft, s.weight * across),
+        Gradient {
+            most: self.pressure * s.weight,
+            by_g: [[xx, xy], [yx, yy]],
+            longer: [
+                softest * weight_slope.mul_add(fr, s.weight * along),
+                softest * weight_slope.mul_add(ft, s.weight * across),
+            ],
+            weight_slope,
+        }
+    }
+
+    /// Return the negative slopes of these forces with the eccentricity and its velocity.
+    ///
+    /// The slope with the eccentricity has two parts: its length, and its direction, which is the frame of force and velocity.
+    #[inline(always)]
+    pub(crate) fn slopes(&self, filled: &Filled<R>) -> FilmSlopes<R> {
+        let s = &filled.state;
+        let Gradient {
+            most, by_g, longer, ..
+        } = self.gradient(filled);
+        let [[xx, xy], [yx, yy]] = by_g;
+        let ([fr, ft], [ur, ut]) = (s.shape, s.velocity);
+        let half = s.ratio.constant(0.5);
+        let damping = [
+            most * xx,
+            most * (s.slant * yy),
+            most * (half * s.slant.mul_add(xy, yx)),
         ];
         // The length is bounded below by 0.05 c: near the centre the direction is undefined and the slopes with it cancel.
-        let over_length = self.inverse_clearance / s.ratio.max(constant(0.05));
-        let [ur, ut] = s.velocity;
+        let over_length = self.inverse_clearance / s.ratio.max(s.ratio.constant(0.05));
         let by_turn = most * over_length;
         let turned_along = by_turn * (xx.mul_add(ut, -(s.slant * xy * ur)) - ft);
         let turned_across = by_turn * (yx.mul_add(ut, -(s.slant * yy * ur)) + fr);
