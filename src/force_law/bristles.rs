@@ -113,30 +113,13 @@ impl LuGre {
         }
     }
 
-    /// Return the deflection z = `foretold` + γ dz/dt at the end of an implicit step at the slip `slip` \[m/s\]. The second value is the
+    /// Return the deflection z = `predicted` + γ dz/dt at the end of an implicit step at the slip `slip` \[m/s\]. The second value is the
     /// slope of [`Bent::share`] with the slip while z follows the slip \[s/m\].
     #[must_use]
-    pub fn solve(&self, foretold: f64, gamma: f64, slip: f64) -> (f64, f64) {
-        let speed = slip.abs();
-        let fall = self.static_coefficient - self.kinetic_coefficient;
-        let power = (speed / self.stribeck_speed).powf(self.stribeck_exponent);
-        let fallen = fall * (-power).exp();
-        let g = self.kinetic_coefficient + fallen;
-        // z = (foretold + γ s)/(1 + γ σ₀ |s|/g) solves z = foretold + γ dz/dt, where `foretold` is the predicted part of z.
-        let follows = 1.0 / (1.0 + gamma * self.stiffness * speed / g);
-        let deflection = (foretold + gamma * slip) * follows;
-        // d(|s|/g)/ds
-        let steeper = (g + fallen * self.stribeck_exponent * power) / (g * g);
-        let steeper = if slip < 0.0 { -steeper } else { steeper };
-        let rate = slip - self.stiffness * speed / g * deflection;
-        // d(dz/dt)/ds = (1 - σ₀ z d(|s|/g)/ds)/(1 + γ σ₀ |s|/g), because dz/ds = γ d(dz/dt)/ds.
-        let of_rate = (1.0 - self.stiffness * steeper * deflection) * follows;
-        let damping = self.damping / (1.0 + self.damping * speed / (4.0 * g));
-        // dσ₁(s)/ds = -σ₁(s)²/4 d(|s|/g)/ds.
-        let fading = -0.25 * damping * damping * steeper;
-        let slope =
-            (self.stiffness * gamma + damping) * of_rate + fading * rate + self.viscous_coefficient;
-        (deflection, slope)
+    pub fn solve(&self, predicted: f64, gamma: f64, slip: f64) -> (f64, f64) {
+        let ahead = Ahead { predicted, gamma };
+        let bristles = BristleLaw::new((), self).bend(1.0, slip, 0.0, Some(&ahead));
+        (bristles.deflection, bristles.exact_slope)
     }
 
     /// Return the energy stored by bristles with this deflection, per newton of normal force \[J/N\].
@@ -162,8 +145,11 @@ pub(crate) struct BristleForce<R> {
     pub(crate) rate: R,
     /// z \[m\], the solution of an implicit step or the given deflection.
     pub(crate) deflection: R,
-    /// Friction slope while z follows the slip, not negative \[N s/m\]; meaningless for a given z.
+    /// Friction slope at a constant σ₁(s) while z follows the slip, not negative \[N s/m\]; zero for a given z. A chain's matrix must stay
+    /// positive definite, as its blocks are factorised without pivoting.
     pub(crate) slope: R,
+    /// The same with the change of σ₁(s) and its sign, for mechanisms: the LU factors of their matrix need no definite blocks.
+    pub(crate) exact_slope: R,
 }
 
 /// The bristle law with precomputed constants, for one contact or a vector of contacts.
@@ -230,7 +216,7 @@ impl<R: Real> BristleLaw<R> {
         let over = one / coefficient;
         let relaxing = self.stiffness * speed * over;
         let damping = self.damping / self.quarter_damping.mul_add(speed * over, one);
-        let (mut deflection, mut slope) = (given, zero);
+        let (mut deflection, mut slope, mut exact_slope) = (given, zero, zero);
         // z = (predicted + γ s)/(1 + γ σ₀ |s|/g) solves z = predicted + γ dz/dt.
         if let Some(Ahead { predicted, gamma }) = ahead {
             let share = one / gamma.mul_add(relaxing, one);
@@ -239,9 +225,15 @@ impl<R: Real> BristleLaw<R> {
             let steeper =
                 self.stiffness * over * over * (fallen * self.exponent).mul_add(power, coefficient);
             let against = slip.less(zero).select(-deflection, deflection);
+            // d(dz/dt)/ds = (1 - σ₀ z d(|s|/g)/ds)/(1 + γ σ₀ |s|/g), because dz/ds = γ d(dz/dt)/ds.
             let of_rate = steeper.negate_mul_add(against, one) * share;
             let bent = self.stiffness.mul_add(*gamma, damping);
-            slope = (force * bent.mul_add(of_rate, self.viscous)).positive_part();
+            let followed = force * bent.mul_add(of_rate, self.viscous);
+            slope = followed.positive_part();
+            // dσ₁(s)/d|s| = -σ₁(s)²/4 d(|s|/g)/d|s|; dz/dt in the direction of the slip is |s| - σ₀ |s|/g z.
+            let fading = slip.constant(0.25) * damping * damping * steeper / self.stiffness;
+            let along = relaxing.negate_mul_add(against, speed);
+            exact_slope = (force * fading).negate_mul_add(along, followed);
         }
         // dz/dt = s - σ₀ |s|/g z, and F/f = σ₀ z + σ₁(s) dz/dt + σ₂ s.
         let rate = relaxing.negate_mul_add(deflection, slip);
@@ -253,6 +245,7 @@ impl<R: Real> BristleLaw<R> {
             rate,
             deflection,
             slope,
+            exact_slope,
         }
     }
 }

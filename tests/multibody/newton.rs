@@ -430,8 +430,8 @@ fn the_sparse_matrix_has_friction_films_and_pins_as_differences_do() {
                     y[..n].iter_mut().for_each(|q| *q *= 0.25);
                 }
                 y.extend([0.0, 0.0]);
-                let foretold: Vec<f64> = (0..bristles).map(|_| 0.1 * random.next()).collect();
-                dynamics.begin_implicit_stage((bristles > 0).then_some((&foretold, gamma)));
+                let predicted: Vec<f64> = (0..bristles).map(|_| 0.1 * random.next()).collect();
+                dynamics.begin_implicit_stage((bristles > 0).then_some((&predicted, gamma)));
                 let apart = difference(&mut dynamics, &y, gamma, &mut random);
                 assert!(apart < 2e-6, "{name}, {gamma}: {apart:e}");
             }

@@ -16,7 +16,7 @@ pub(crate) struct Bristles {
     /// Rates dz/dt of the last evaluation \[m/s\].
     pub(crate) rate: Vec<f64>,
     /// Predicted values z₀ of an implicit step, without the contribution of its own rate \[m\].
-    foretold: Vec<f64>,
+    predicted: Vec<f64>,
     /// γ of the present implicit step \[s\]; `None`: the deflections are those of the state.
     gamma: Option<f64>,
 }
@@ -35,7 +35,7 @@ impl Bristles {
         Self {
             deflection: vec![0.0; count],
             rate: vec![0.0; count],
-            foretold: vec![0.0; count],
+            predicted: vec![0.0; count],
             gamma: None,
         }
     }
@@ -44,14 +44,14 @@ impl Bristles {
     pub(crate) fn begin(&mut self) {
         self.rate.fill(0.0);
         if self.gamma.is_some() {
-            self.deflection.copy_from_slice(&self.foretold);
+            self.deflection.copy_from_slice(&self.predicted);
         }
     }
 
     /// Return the deflection of bristle `i` at the beginning of the evaluation.
     pub(crate) fn bent(&self, i: usize) -> Bent {
         match self.gamma {
-            Some(gamma) => Bent::Ahead(self.foretold[i], gamma),
+            Some(gamma) => Bent::Ahead(self.predicted[i], gamma),
             None => Bent::Given(self.deflection[i]),
         }
     }
@@ -59,8 +59,8 @@ impl Bristles {
     /// Begin an implicit step with predicted values \[m\] and γ \[s\], or end it with `None`.
     pub(crate) fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
         self.gamma = step.map(|(_, gamma)| gamma);
-        if let Some((foretold, _)) = step {
-            self.foretold.copy_from_slice(foretold);
+        if let Some((predicted, _)) = step {
+            self.predicted.copy_from_slice(predicted);
         }
     }
 

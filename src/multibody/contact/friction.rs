@@ -63,7 +63,7 @@ fn share(law: &FrictionLaw, slip: f64, bent: Option<Bent>) -> Share {
 fn bristled(law: &LuGre, slip: f64, bent: Bent) -> Share {
     let (deflection, slope) = match bent {
         Bent::Given(deflection) => (deflection, 0.0),
-        Bent::Ahead(foretold, gamma) => law.solve(foretold, gamma, slip),
+        Bent::Ahead(predicted, gamma) => law.solve(predicted, gamma, slip),
     };
     let found = law.bent(deflection, slip);
     Share {
