@@ -12,7 +12,7 @@ use crate::math::Signal;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ChainEnd {
     /// A pin at rest or with prescribed velocity.
-    Anchor {
+    Anchored {
         /// Position at the start \[m\].
         #[serde(with = "crate::geometry::components")]
         position: Vec2,
@@ -22,7 +22,7 @@ pub enum ChainEnd {
         links: Option<u32>,
     },
     /// A body attached to the end.
-    Load {
+    Loaded {
         /// Mass \[kg\].
         mass: f64,
         /// Moment of inertia about its centre of mass \[kg m²\].
@@ -36,7 +36,7 @@ pub enum ChainEnd {
         links: Option<u32>,
     },
     /// No body.
-    Loose {
+    Free {
         /// Position at the start \[m\]; `None`: straight below the last sprocket or the other end.
         #[serde(with = "crate::geometry::components")]
         position: Option<Vec2>,
@@ -55,8 +55,8 @@ impl ChainEnd {
 
     /// Return an anchored end at rest.
     #[must_use]
-    pub fn anchor(position: Vec2) -> Self {
-        Self::Anchor {
+    pub fn anchored(position: Vec2) -> Self {
+        Self::Anchored {
             position,
             velocity: [0.0.into(), 0.0.into()],
             links: None,
@@ -65,8 +65,8 @@ impl ChainEnd {
 
     /// Return a loaded end with its centre of mass in the pin.
     #[must_use]
-    pub fn load(mass: f64, inertia: f64) -> Self {
-        Self::Load {
+    pub fn loaded(mass: f64, inertia: f64) -> Self {
+        Self::Loaded {
             mass,
             inertia,
             arm: 0.0,
@@ -77,8 +77,8 @@ impl ChainEnd {
 
     /// Return a free end.
     #[must_use]
-    pub fn loose() -> Self {
-        Self::Loose {
+    pub fn free() -> Self {
+        Self::Free {
             position: None,
             links: None,
         }
@@ -88,9 +88,9 @@ impl ChainEnd {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Anchor { .. } => "AnchoredEnd",
-            Self::Load { .. } => "LoadedEnd",
-            Self::Loose { .. } => "FreeEnd",
+            Self::Anchored { .. } => "AnchoredEnd",
+            Self::Loaded { .. } => "LoadedEnd",
+            Self::Free { .. } => "FreeEnd",
         }
     }
 
@@ -98,8 +98,8 @@ impl ChainEnd {
     #[must_use]
     pub fn position(&self) -> Option<Vec2> {
         match self {
-            Self::Anchor { position, .. } => Some(*position),
-            Self::Load { position, .. } | Self::Loose { position, .. } => *position,
+            Self::Anchored { position, .. } => Some(*position),
+            Self::Loaded { position, .. } | Self::Free { position, .. } => *position,
         }
     }
 
@@ -107,9 +107,9 @@ impl ChainEnd {
     #[must_use]
     pub fn links(&self) -> Option<u32> {
         match self {
-            Self::Anchor { links, .. } | Self::Load { links, .. } | Self::Loose { links, .. } => {
-                *links
-            }
+            Self::Anchored { links, .. }
+            | Self::Loaded { links, .. }
+            | Self::Free { links, .. } => *links,
         }
     }
 
@@ -117,7 +117,7 @@ impl ChainEnd {
     #[must_use]
     pub fn velocity(&self) -> Vec2 {
         match self {
-            Self::Anchor { velocity, .. } => {
+            Self::Anchored { velocity, .. } => {
                 Vec2::new(velocity[0].value(0.0), velocity[1].value(0.0))
             }
             _ => Vec2::zeros(),
@@ -128,7 +128,7 @@ impl ChainEnd {
     #[must_use]
     pub fn arm(&self) -> f64 {
         match self {
-            Self::Load { arm, .. } => *arm,
+            Self::Loaded { arm, .. } => *arm,
             _ => 0.0,
         }
     }
@@ -146,7 +146,7 @@ impl ChainEnd {
             let expected = "must be one at least";
             return Err(Error::invalid(format!("{name}.links"), 0, expected));
         }
-        if let Self::Load {
+        if let Self::Loaded {
             mass, inertia, arm, ..
         } = self
         {

@@ -200,7 +200,7 @@ impl Drive {
 
     fn check_end_speeds(&self) -> Result<()> {
         for (i, end) in self.ends.iter().flatten().enumerate() {
-            let ChainEnd::Anchor { velocity, .. } = end else {
+            let ChainEnd::Anchored { velocity, .. } = end else {
                 continue;
             };
             let speed = velocity.iter().map(Signal::largest).fold(0.0, f64::max);
@@ -240,7 +240,7 @@ impl Drive {
             together,
         )?;
         for (i, end) in self.ends.iter().flatten().enumerate() {
-            if let ChainEnd::Load { mass, .. } = end {
+            if let ChainEnd::Loaded { mass, .. } = end {
                 let field = format!("ChainDrive.ends.{}.mass", i + 1);
                 refuse_above(heaviest, *pitch, &unit, &field, *mass)?;
             }

@@ -256,7 +256,7 @@ impl Way<'_> {
         // Loaded and free ends move with the sprocket.
         let held = ends
             .iter()
-            .all(|end| matches!(end, ChainEnd::Anchor { .. }));
+            .all(|end| matches!(end, ChainEnd::Anchored { .. }));
         Ok(Taut {
             pull: line.pull(self.number)?,
             pitches: line.pitches()?.filter(|_| held),

@@ -176,13 +176,13 @@ fn start(
         } else {
             unit(start.positions[if end == 0 { 0 } else { last - 1 }][2])
         };
-        let held = matches!(ends[end], ChainEnd::Anchor { .. } | ChainEnd::Loose { .. });
+        let held = matches!(ends[end], ChainEnd::Anchored { .. } | ChainEnd::Free { .. });
         let center = laid.hinges[hinge] + sign * ends[end].arm() * along;
         let angle = if held { 0.0 } else { along.y.atan2(along.x) };
         let velocity = match ends[end] {
-            ChainEnd::Anchor { .. } => ends[end].velocity(),
-            ChainEnd::Load { .. } => velocities[hinge],
-            ChainEnd::Loose { .. } => Vec2::zeros(),
+            ChainEnd::Anchored { .. } => ends[end].velocity(),
+            ChainEnd::Loaded { .. } => velocities[hinge],
+            ChainEnd::Free { .. } => Vec2::zeros(),
         };
         start.positions.push([center.x, center.y, angle]);
         start.velocities.push([velocity.x, velocity.y, 0.0]);
@@ -211,7 +211,7 @@ fn add_rollers(
             (k + 1).min(links)
         };
         let on_front = bushing_on_front(k, count);
-        let loose = matches!(ends[1], ChainEnd::Loose { .. });
+        let loose = matches!(ends[1], ChainEnd::Free { .. });
         let there = k != links && (k + 1 != links || !loose || on_front);
         let link = if on_front { k } else { (k + 1) % count };
         let at = laid.hinges[place];

@@ -56,7 +56,7 @@ pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Resul
     }
     let links = drive.chain.links as usize;
     for (end, number) in drive.ends.iter().flatten().zip([1, 2]) {
-        let ChainEnd::Anchor {
+        let ChainEnd::Anchored {
             position, velocity, ..
         } = end
         else {

@@ -28,8 +28,8 @@ fn springs(stiffness: f64) -> ForceLaws {
 /// A chain that hangs from a pin, with a load below.
 fn hung(links: u32, load: f64, stiffness: Option<f64>, strands: u32) -> Drive {
     let ends = [
-        ChainEnd::anchor(Vec2::zeros()),
-        ChainEnd::load(load, 1e-4 * load),
+        ChainEnd::anchored(Vec2::zeros()),
+        ChainEnd::loaded(load, 1e-4 * load),
     ];
     let mut drive = strand(links, ends);
     drive.chain.strands = strands;

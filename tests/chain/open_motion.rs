@@ -21,7 +21,7 @@ const STILL: SprocketMotion = SprocketMotion::Free;
 
 /// A chain without ends, dropped from the curve on which it hung.
 fn dropped() -> Drive {
-    let loose = |x: f64| ChainEnd::Loose {
+    let loose = |x: f64| ChainEnd::Free {
         position: Some(Vec2::new(x, 0.0)),
         links: None,
     };
@@ -121,7 +121,7 @@ fn lowest_mode(drive: &Drive, play: f64, load: f64) -> (f64, DVector<f64>, DMatr
 #[test]
 fn a_hanging_chain_swings_at_the_zeros_of_bessels_function() {
     let links = 41;
-    let drive = strand(links, [ChainEnd::anchor(Vec2::zeros()), ChainEnd::loose()]);
+    let drive = strand(links, [ChainEnd::anchored(Vec2::zeros()), ChainEnd::free()]);
     let n = links as usize;
     let laws = ForceLaws::default();
     let (run, rest) = at_rest(&drive, &laws, StepControl::default());
@@ -198,12 +198,12 @@ fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
     let lowering = hoist(60, 24, 10.0, SprocketMotion::AppliedTorque(2.0.into()));
     let shaken = {
         let x = Table::new("velocity", "m/s", &[(0.0, 0.0), (0.01, 0.5), (0.02, -0.5)]).unwrap();
-        let anchor = ChainEnd::Anchor {
+        let anchor = ChainEnd::Anchored {
             position: Vec2::zeros(),
             velocity: [x.into(), 0.0.into()],
             links: None,
         };
-        strand(20, [anchor, ChainEnd::load(0.5, 1e-4)])
+        strand(20, [anchor, ChainEnd::loaded(0.5, 1e-4)])
     };
     let rolled = rolling(lifting.clone());
     for (name, drive, time) in [
@@ -234,12 +234,12 @@ fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
 fn an_anchor_goes_where_its_velocity_takes_it() {
     let rows = [(0.0, 0.0), (0.013, 0.4), (0.03, -0.2)];
     let x = Table::new("velocity", "m/s", &rows).unwrap();
-    let anchor = ChainEnd::Anchor {
+    let anchor = ChainEnd::Anchored {
         position: Vec2::new(0.1, 0.2),
         velocity: [x.clone().into(), 0.3.into()],
         links: None,
     };
-    let drive = strand(15, [anchor, ChainEnd::load(0.2, 1e-5)]);
+    let drive = strand(15, [anchor, ChainEnd::loaded(0.2, 1e-5)]);
     for control in [control(1e-7), StepControl::default()] {
         let mut run = simulation(&drive, &ForceLaws::default(), control);
         advance(&mut run, 0.04);
@@ -261,7 +261,10 @@ fn both_correctors_follow_the_same_path() {
     // Let go from rest, aside by no more than the hinges allow: all contacts stay closed.
     let drive = strand(
         12,
-        [ChainEnd::anchor(Vec2::zeros()), ChainEnd::load(1.0, 1e-4)],
+        [
+            ChainEnd::anchored(Vec2::zeros()),
+            ChainEnd::loaded(1.0, 1e-4),
+        ],
     );
     let laws = laws(Elastic::Hertz, Damping::LankaraniNikravesh, Regions::Kept);
     let (_, rest) = at_rest(&drive, &laws, StepControl::default());
@@ -294,19 +297,19 @@ fn rolling(mut drive: Drive) -> Drive {
 
 /// Open scenes of all kinds of ends, laid.
 fn scenes() -> Vec<Drive> {
-    let anchor = |x: f64, y: f64| ChainEnd::anchor(Vec2::new(x, y));
+    let anchor = |x: f64, y: f64| ChainEnd::anchored(Vec2::new(x, y));
     vec![
-        strand(4, [anchor(0.0, 0.0), ChainEnd::loose()]),
-        strand(5, [ChainEnd::load(0.3, 1e-5), anchor(0.0, 0.0)]),
+        strand(4, [anchor(0.0, 0.0), ChainEnd::free()]),
+        strand(5, [ChainEnd::loaded(0.3, 1e-5), anchor(0.0, 0.0)]),
         strand(14, [anchor(0.0, 0.0), anchor(0.11, 0.05)]),
-        strand(27, [anchor(0.0, 0.0), ChainEnd::load(2.0, 1e-4)]),
+        strand(27, [anchor(0.0, 0.0), ChainEnd::loaded(2.0, 1e-4)]),
         dropped(),
         hoist(40, 14, 3.0, STILL),
         hoist(41, 16, 3.0, SprocketMotion::PrescribedSpeed(4.0.into())),
         {
             let mut drive = hoist(46, 14, 3.0, SprocketMotion::AppliedTorque(1.0.into()));
-            drive.ends.as_mut().unwrap()[0] = ChainEnd::loose();
-            drive.ends.as_mut().unwrap()[1] = ChainEnd::Load {
+            drive.ends.as_mut().unwrap()[0] = ChainEnd::free();
+            drive.ends.as_mut().unwrap()[1] = ChainEnd::Loaded {
                 mass: 1.0,
                 inertia: 1e-4,
                 arm: 0.02,
@@ -316,8 +319,8 @@ fn scenes() -> Vec<Drive> {
             drive
         },
         tightened(30.0),
-        rolling(strand(12, [anchor(0.0, 0.0), ChainEnd::loose()])),
-        rolling(strand(13, [ChainEnd::load(0.3, 1e-5), anchor(0.0, 0.0)])),
+        rolling(strand(12, [anchor(0.0, 0.0), ChainEnd::free()])),
+        rolling(strand(13, [ChainEnd::loaded(0.3, 1e-5), anchor(0.0, 0.0)])),
         rolling(hoist(
             41,
             16,
@@ -398,8 +401,8 @@ fn friction_in_the_hinges_of_an_open_chain_dissipates_what_the_balance_misses() 
     let drive = strand(
         20,
         [
-            ChainEnd::anchor(Vec2::zeros()),
-            ChainEnd::anchor(Vec2::new(0.15, 0.0)),
+            ChainEnd::anchored(Vec2::zeros()),
+            ChainEnd::anchored(Vec2::new(0.15, 0.0)),
         ],
     );
     let friction = Friction {

@@ -54,7 +54,7 @@ fn a_stop_before_the_slack_is_taken_up_is_warned_of() {
 /// A wheel over which a load hangs, carried by a tensioner with a spring.
 fn fork_lift(pretension: f64) -> Drive {
     let mut drive = hoist(40, 14, 10.0, SprocketMotion::Free);
-    drive.ends.as_mut().unwrap()[0] = ChainEnd::Anchor {
+    drive.ends.as_mut().unwrap()[0] = ChainEnd::Anchored {
         position: Vec2::new(-0.06, -0.2),
         velocity: [0.0.into(), 0.0.into()],
         links: None,

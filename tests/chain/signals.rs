@@ -116,12 +116,12 @@ fn an_anchor_goes_where_a_velocity_of_any_signal_takes_it() {
         from: 0.0,
         to: 0.2,
     };
-    let anchor = ChainEnd::Anchor {
+    let anchor = ChainEnd::Anchored {
         position: Vec2::new(0.1, 0.2),
         velocity: [x, y],
         links: None,
     };
-    let drive = strand(15, [anchor, ChainEnd::load(0.2, 1e-5)]);
+    let drive = strand(15, [anchor, ChainEnd::loaded(0.2, 1e-5)]);
     let end = 0.04;
     let moved = speed / frequency * (1.0 - f64::cos(frequency * end));
     let expected = Vec2::new(0.1 + moved, 0.2 + 0.2 * (end - 0.01));

@@ -11,7 +11,8 @@ use rustchain::force_law::PairTable;
 use rustchain::geometry::{SurfaceCurve, Vec2};
 use rustchain::integrator::OdeSystem;
 
-use super::scalar_reference::{Contact, Reference, ToothContact, elastic, impact_velocity};
+use super::checks::{elastic, impact_velocity};
+use super::scalar_reference::{Contact, Reference, ToothContact};
 
 const UNIT: f64 = f64::EPSILON;
 

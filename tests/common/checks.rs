@@ -1,7 +1,9 @@
 //! Laws that all forces obey: momentum, and Newton's matrix as their derivative.
 
 use rustchain::chain::dynamics::{Dynamics, Losses};
+use rustchain::chain::model::Model;
 use rustchain::drive::Drive;
+use rustchain::force_law::PairTable;
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::layout::InitialConfiguration;
@@ -178,4 +180,25 @@ pub fn corrections_have_the_same_bits(dynamics: &Dynamics, t: f64, y: &[f64]) ->
         });
     let found: Vec<Vec<f64>> = found.collect();
     found.windows(2).all(|pair| pair[0] == pair[1])
+}
+/// The impact velocity of the damping law: the remembered one, or the present rate, at least the minimum.
+pub fn impact_velocity(model: &Model, remembered: f64, rate: f64) -> f64 {
+    if remembered > 0.0 {
+        remembered
+    } else {
+        rate.max(model.min_impact_velocity)
+    }
+}
+
+/// Elastic force of a pair of surfaces with a compliance \[m/N\] in series \[N\].
+pub fn elastic(table: &PairTable, pair: usize, compliance: f64, depth: f64) -> f64 {
+    let pair = table.pair(pair);
+    let mut pressed = depth;
+    if compliance > 0.0 {
+        for _ in 0..50 {
+            let excess = pressed + compliance * pair.force(pressed) - depth;
+            pressed -= excess / (1.0 + compliance * pair.stiffness(pressed));
+        }
+    }
+    pair.force(pressed)
 }

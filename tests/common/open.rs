@@ -21,12 +21,12 @@ pub fn strand(links: u32, ends: [ChainEnd; 2]) -> Drive {
 pub fn hoist(links: u32, slack: u32, load: f64, motion: SprocketMotion) -> Drive {
     let mut drive = drive_of(vec![sprocket(13, 0.0, 0.0, Side::Inside, motion)], links);
     drive.ends = Some([
-        ChainEnd::Anchor {
+        ChainEnd::Anchored {
             position: Vec2::new(-0.12, -0.05),
             velocity: [0.0.into(), 0.0.into()],
             links: Some(slack),
         },
-        ChainEnd::Load {
+        ChainEnd::Loaded {
             mass: load,
             inertia: 1e-3 * load,
             arm: 0.05,
@@ -70,7 +70,7 @@ pub fn tightened(tension: f64) -> Drive {
         ],
         44,
     );
-    drive.ends = Some([(0.0, 0.0), (0.36, 0.0)].map(|(x, y)| ChainEnd::anchor(Vec2::new(x, y))));
+    drive.ends = Some([(0.0, 0.0), (0.36, 0.0)].map(|(x, y)| ChainEnd::anchored(Vec2::new(x, y))));
     drive.tensioner = Some(super::tensioner(tension, 0.01));
     drive
 }

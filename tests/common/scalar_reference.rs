@@ -5,38 +5,17 @@
 
 use std::ops::Range;
 
+use super::checks::{elastic, impact_velocity};
 use rustchain::chain::contact::{SprocketFrame, bushing_on_sprocket};
 use rustchain::chain::dynamics::{Dynamics, Losses, SprocketLoad};
 use rustchain::chain::model::Model;
 use rustchain::chain::motion::Motion;
 use rustchain::drive::bushing_on_front;
-use rustchain::force_law::{Friction, LuGre, PairTable, Regions};
+use rustchain::force_law::{Friction, LuGre, Regions};
 use rustchain::geometry::{Surface, Vec2, turned_left};
 
-/// The impact velocity of the damping law: the remembered one, or the present rate, at least the minimum.
-pub fn impact_velocity(model: &Model, remembered: f64, rate: f64) -> f64 {
-    if remembered > 0.0 {
-        remembered
-    } else {
-        rate.max(model.min_impact_velocity)
-    }
-}
-
-/// Elastic force of a pair of surfaces with a compliance \[m/N\] in series \[N\].
-pub fn elastic(table: &PairTable, pair: usize, compliance: f64, depth: f64) -> f64 {
-    let pair = table.pair(pair);
-    let mut pressed = depth;
-    if compliance > 0.0 {
-        for _ in 0..50 {
-            let excess = pressed + compliance * pair.force(pressed) - depth;
-            pressed -= excess / (1.0 + compliance * pair.stiffness(pressed));
-        }
-    }
-    pair.force(pressed)
-}
-
 /// Laws of friction of one kind of contact.
-type Rubbing<'a> = (&'a Option<Friction>, &'a Option<LuGre>);
+type FrictionLaws<'a> = (&'a Option<Friction>, &'a Option<LuGre>);
 
 /// One contact; of a hinge seen from the rear end of link k + 1, of a roller from the roller, of a tooth from the sprocket.
 #[derive(Debug, Clone, Copy, Default)]
@@ -93,7 +72,7 @@ impl Contact {
     /// Friction, which acts at `arms` along the normal from the centres of both bodies, for the relative velocity of these and `spins`.
     fn rub(
         &mut self,
-        ((law, bristles), deflection): (Rubbing, f64),
+        ((law, bristles), deflection): (FrictionLaws, f64),
         velocity: Vec2,
         [spins, arms]: [[f64; 2]; 2],
     ) {

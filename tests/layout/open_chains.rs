@@ -56,7 +56,7 @@ fn a_hanging_chain_rests_on_the_exact_catenary_of_its_rigid_links() {
             Vec2::new(0.2, -0.1),
             Vec2::new(0.2, -0.1) + share * length * along,
         ];
-        let mut drive = strand(links, ends.map(ChainEnd::anchor));
+        let mut drive = strand(links, ends.map(ChainEnd::anchored));
         drive.chain.strands = strands;
         let (mut run, rest) = at_rest(&drive, &ForceLaws::default(), StepControl::default());
         let row = first_row(&mut run);
@@ -113,7 +113,7 @@ fn a_hanging_chain_rests_on_the_exact_catenary_of_its_rigid_links() {
 #[test]
 fn the_chain_is_laid_on_the_polygon_of_its_links_to_round_off() {
     let ends = [Vec2::new(-0.1, 0.3), Vec2::new(0.25, 0.1)];
-    let mut drive = strand(51, ends.map(ChainEnd::anchor));
+    let mut drive = strand(51, ends.map(ChainEnd::anchored));
     drive.chain.variation = Variation {
         elongation: vec![0.01],
         pitch_spread: 1e-3,
@@ -138,8 +138,8 @@ fn tension_in_a_hanging_chain_is_the_weight_below_and_the_load() {
         let drive = strand(
             links,
             [
-                ChainEnd::anchor(Vec2::zeros()),
-                ChainEnd::load(load, 1e-3 * load),
+                ChainEnd::anchored(Vec2::zeros()),
+                ChainEnd::loaded(load, 1e-3 * load),
             ],
         );
         let (mut run, rest) = at_rest(&drive, &ForceLaws::default(), StepControl::default());
@@ -217,7 +217,10 @@ fn a_hoist_rests_with_its_load_on_the_wheels_torque_and_its_slack_on_a_catenary(
 #[test]
 fn torque_on_a_free_wheel_balances_two_loads_at_its_lever() {
     // Equal loads on both sides rest without torque.
-    let mut drive = strand(40, [ChainEnd::load(3.0, 1e-3), ChainEnd::load(3.0, 1e-3)]);
+    let mut drive = strand(
+        40,
+        [ChainEnd::loaded(3.0, 1e-3), ChainEnd::loaded(3.0, 1e-3)],
+    );
     drive.sprockets = vec![sprocket(
         17,
         0.0,
@@ -236,9 +239,9 @@ fn torque_on_a_free_wheel_balances_two_loads_at_its_lever() {
 
 #[test]
 fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
-    let anchor = |x: f64, y: f64| ChainEnd::anchor(Vec2::new(x, y));
+    let anchor = |x: f64, y: f64| ChainEnd::anchored(Vec2::new(x, y));
     let wheel = |teeth, x, y, side| sprocket(teeth, x, y, side, SprocketMotion::Free);
-    let hung = |links: u32| ChainEnd::Loose {
+    let hung = |links: u32| ChainEnd::Free {
         position: None,
         links: Some(links),
     };
@@ -249,14 +252,14 @@ fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
             drives.push((
                 links,
                 one.clone(),
-                [anchor(-0.2, -0.2), ChainEnd::load(2.0, 1e-3)],
+                [anchor(-0.2, -0.2), ChainEnd::loaded(2.0, 1e-3)],
             ));
             drives.push((
                 links,
                 one.clone(),
-                [ChainEnd::load(2.0, 1e-3), anchor(0.2, -0.21)],
+                [ChainEnd::loaded(2.0, 1e-3), anchor(0.2, -0.21)],
             ));
-            drives.push((links, one.clone(), [hung(8), ChainEnd::load(2.0, 1e-3)]));
+            drives.push((links, one.clone(), [hung(8), ChainEnd::loaded(2.0, 1e-3)]));
             drives.push((links, one, [anchor(-0.17, -0.15), anchor(0.13, -0.16)]));
         }
         let idler = vec![
@@ -268,7 +271,7 @@ fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
             wheel(17, 0.0, 0.0, Side::Inside),
             wheel(15, 0.19, 0.02, Side::Inside),
         ];
-        drives.push((links, level, [hung(7), ChainEnd::loose()]));
+        drives.push((links, level, [hung(7), ChainEnd::free()]));
     }
     for (links, sprockets, ends) in drives {
         let mut drive = strand(links, ends);
@@ -337,7 +340,7 @@ fn refusal(drive: &Drive) -> String {
 
 #[test]
 fn what_cannot_be_laid_is_refused_with_numbers() {
-    let anchor = |x: f64, y: f64| ChainEnd::anchor(Vec2::new(x, y));
+    let anchor = |x: f64, y: f64| ChainEnd::anchored(Vec2::new(x, y));
     let short = strand(20, [anchor(0.0, 0.0), anchor(0.3, 0.0)]);
     let said = refusal(&short);
     assert!(
@@ -350,7 +353,7 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
         said.contains("0 links are left for the strand at end 2"),
         "{said}"
     );
-    hoist_of.ends.as_mut().unwrap()[0] = ChainEnd::Anchor {
+    hoist_of.ends.as_mut().unwrap()[0] = ChainEnd::Anchored {
         position: Vec2::new(-0.12, -0.05),
         velocity: [0.0.into(), 0.0.into()],
         links: Some(2),
@@ -361,10 +364,10 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
         said.contains("2 links are left for the strand at end 1"),
         "{said}"
     );
-    let mut weightless = strand(20, [anchor(0.0, 0.0), ChainEnd::loose()]);
+    let mut weightless = strand(20, [anchor(0.0, 0.0), ChainEnd::free()]);
     weightless.gravity = Vec2::zeros();
     assert!(refusal(&weightless).contains("without gravity the strand at end 2 has no direction"));
-    let nowhere = strand(20, [ChainEnd::loose(), ChainEnd::loose()]);
+    let nowhere = strand(20, [ChainEnd::free(), ChainEnd::free()]);
     assert!(refusal(&nowhere).contains("its position is undefined"));
     let mut beside = hoist(40, 14, 1.0, SprocketMotion::Free);
     beside
@@ -376,15 +379,15 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
         "{}",
         refusal(&beside)
     );
-    let mut offset = strand(21, [anchor(0.0, 0.0), ChainEnd::loose()]);
+    let mut offset = strand(21, [anchor(0.0, 0.0), ChainEnd::free()]);
     offset.chain.offset = Some(paper_chain().inner);
     assert!(refusal(&offset).contains("must be absent in an open chain"));
-    let mut tight = strand(20, [anchor(0.0, 0.0), ChainEnd::loose()]);
+    let mut tight = strand(20, [anchor(0.0, 0.0), ChainEnd::free()]);
     tight.tensioner = Some(common::tensioner(10.0, 0.1));
     assert!(refusal(&tight).contains("Tensioner.sprocket"));
-    let heavy = strand(20, [anchor(0.0, 0.0), ChainEnd::load(-1.0, 1e-3)]);
+    let heavy = strand(20, [anchor(0.0, 0.0), ChainEnd::loaded(-1.0, 1e-3)]);
     assert!(refusal(&heavy).contains("LoadedEnd.mass"));
-    let mut closed = strand(20, [anchor(0.0, 0.0), ChainEnd::loose()]);
+    let mut closed = strand(20, [anchor(0.0, 0.0), ChainEnd::free()]);
     closed.ends = None;
     assert!(refusal(&closed).contains("must be at least two"));
 }

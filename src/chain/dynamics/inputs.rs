@@ -140,7 +140,7 @@ mod tests {
     /// Six links between two anchored ends, one of which has a velocity table of `rows`.
     fn moved_strand(rows: &[(f64, f64)]) -> Drive {
         let x = Table::new("velocity", "m/s", rows).unwrap();
-        let anchor = |position, x: Signal| ChainEnd::Anchor {
+        let anchor = |position, x: Signal| ChainEnd::Anchored {
             position,
             velocity: [x, 0.0.into()],
             links: None,

@@ -156,7 +156,7 @@ fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
     // Order of the bodies in the ring: links, body at the end of the last link, body at the end of the first link.
     for (end, described) in ends.bodies.iter().zip(described).rev() {
         bodies.push(match described {
-            ChainEnd::Load { mass, inertia, .. } if end.kind == EndKind::Load => Link {
+            ChainEnd::Loaded { mass, inertia, .. } if end.kind == EndKind::Loaded => Link {
                 mass: *mass,
                 inertia: *inertia,
             },

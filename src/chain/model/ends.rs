@@ -40,19 +40,19 @@ pub struct EndModel {
 #[derive(Debug, Clone, PartialEq)]
 pub enum EndKind {
     /// Free end: its body has no effect.
-    Loose,
+    Free,
     /// Anchored end: a pin with this velocity, x and y \[m/s\].
-    Held([Signal; 2]),
+    Anchored([Signal; 2]),
     /// Loaded end: a body with mass and inertia.
-    Load,
+    Loaded,
 }
 
 impl EndModel {
     fn new(end: &ChainEnd, body: usize, hinge: usize, start: &InitialConfiguration) -> Self {
         let kind = match end {
-            ChainEnd::Anchor { velocity, .. } => EndKind::Held(velocity.clone()),
-            ChainEnd::Load { .. } => EndKind::Load,
-            ChainEnd::Loose { .. } => EndKind::Loose,
+            ChainEnd::Anchored { velocity, .. } => EndKind::Anchored(velocity.clone()),
+            ChainEnd::Loaded { .. } => EndKind::Loaded,
+            ChainEnd::Free { .. } => EndKind::Free,
         };
         let [x, y, _] = start.positions[body];
         Self {
@@ -67,7 +67,7 @@ impl EndModel {
     #[must_use]
     pub fn given_motion(&self, t: f64) -> Option<(Vec2, Vec2)> {
         let moved = match &self.kind {
-            EndKind::Held([x, y]) => Vec2::new(x.integral(t), y.integral(t)),
+            EndKind::Anchored([x, y]) => Vec2::new(x.integral(t), y.integral(t)),
             _ => Vec2::zeros(),
         };
         Some((self.start + moved, self.given_velocity(t)?))
@@ -78,16 +78,16 @@ impl EndModel {
     /// The integrator follows such a motion only within its tolerance.
     pub(crate) fn follows_a_curve(&self) -> bool {
         let straight = |signal: &Signal| matches!(signal, Signal::Constant(_) | Signal::Table(_));
-        matches!(&self.kind, EndKind::Held(velocity) if !velocity.iter().all(straight))
+        matches!(&self.kind, EndKind::Anchored(velocity) if !velocity.iter().all(straight))
     }
 
     /// Return the prescribed velocity at time `t` \[s\] \[m/s\]; `None` for a loaded end.
     #[must_use]
     pub fn given_velocity(&self, t: f64) -> Option<Vec2> {
         match &self.kind {
-            EndKind::Load => None,
-            EndKind::Loose => Some(Vec2::zeros()),
-            EndKind::Held([x, y]) => Some(Vec2::new(x.value(t), y.value(t))),
+            EndKind::Loaded => None,
+            EndKind::Free => Some(Vec2::zeros()),
+            EndKind::Anchored([x, y]) => Some(Vec2::new(x.value(t), y.value(t))),
         }
     }
 
@@ -95,9 +95,9 @@ impl EndModel {
     #[must_use]
     pub fn given_acceleration(&self, t: f64) -> Option<Vec2> {
         match &self.kind {
-            EndKind::Load => None,
-            EndKind::Loose => Some(Vec2::zeros()),
-            EndKind::Held([x, y]) => Some(Vec2::new(x.slope(t), y.slope(t))),
+            EndKind::Loaded => None,
+            EndKind::Free => Some(Vec2::zeros()),
+            EndKind::Anchored([x, y]) => Some(Vec2::new(x.slope(t), y.slope(t))),
         }
     }
 }
@@ -120,7 +120,7 @@ impl OpenEnds {
     /// Return the velocity signals of the anchored ends.
     pub(super) fn signals(&self) -> impl Iterator<Item = &Signal> {
         self.bodies.iter().flat_map(|end| match &end.kind {
-            EndKind::Held(velocity) => velocity.as_slice(),
+            EndKind::Anchored(velocity) => velocity.as_slice(),
             _ => &[],
         })
     }
@@ -135,7 +135,7 @@ impl OpenEnds {
     /// Return whether hinge `k` of the ring is open: between the two end bodies, or at a free end.
     #[must_use]
     pub fn hinge_is_open(&self, k: usize) -> bool {
-        let loose = |end: &EndModel| end.hinge == k && end.kind == EndKind::Loose;
+        let loose = |end: &EndModel| end.hinge == k && end.kind == EndKind::Free;
         k == self.links || self.bodies.iter().any(loose)
     }
 
@@ -143,7 +143,7 @@ impl OpenEnds {
     #[must_use]
     pub fn bushing_is_there(&self, k: usize) -> bool {
         let [first, last] = &self.bodies;
-        if k == last.hinge && last.kind == EndKind::Loose {
+        if k == last.hinge && last.kind == EndKind::Free {
             return bushing_on_front(k, self.links + 2);
         }
         k == first.hinge || k != self.links
@@ -156,7 +156,7 @@ impl OpenEnds {
     pub(crate) fn external_work(&self, force: [Vec2; 2], t: f64) -> f64 {
         let ends = self.bodies.iter().zip(force);
         ends.map(|(end, force)| match &end.kind {
-            EndKind::Held(_) => -end.given_velocity(t).unwrap_or_default().dot(&force),
+            EndKind::Anchored(_) => -end.given_velocity(t).unwrap_or_default().dot(&force),
             _ => 0.0,
         })
         .sum()
@@ -191,7 +191,7 @@ impl Model {
     /// Return whether link `i` is the body of an anchored or free end: its motion is prescribed.
     #[must_use]
     pub fn is_held(&self, i: usize) -> bool {
-        let held = |end: &EndModel| end.body == i && end.kind != EndKind::Load;
+        let held = |end: &EndModel| end.body == i && end.kind != EndKind::Loaded;
         (self.ends.as_ref()).is_some_and(|ends| ends.bodies.iter().any(held))
     }
 }

@@ -164,7 +164,7 @@ impl WithSimd for ReadHinges<'_> {
     }
 }
 
-/// Write e = x_k - x_next + a_k t_k + a_next t_next along one axis: front end of link k relative to the rear end of the next link, as
+/// Write `e = x_k - x_next + a_k t_k + a_next t_next` along one axis: front end of link k relative to the rear end of the next link, as
 /// in the kernels (chain/rhs/chain/hinges.rs).
 #[inline(always)]
 #[allow(clippy::inline_always)] // it runs with the kernel's instruction set

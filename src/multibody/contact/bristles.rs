@@ -10,7 +10,7 @@ use crate::system::PowerSum;
 
 /// All bristles of a mechanism.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Bristles {
+pub(crate) struct ContactBristles {
     /// Deflections z of the last evaluation, given or solved for \[m\].
     pub(crate) deflection: Vec<f64>,
     /// Rates dz/dt of the last evaluation \[m/s\].
@@ -23,14 +23,14 @@ pub(crate) struct Bristles {
 
 /// Deflection of one bristle at the beginning of an evaluation.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Bent {
+pub(crate) enum BristleDeflection {
     /// Deflection of the state \[m\].
     Given(f64),
     /// Deflection to be solved for, with its predicted value \[m\] and γ \[s\].
     Ahead(f64, f64),
 }
 
-impl Bristles {
+impl ContactBristles {
     pub(crate) fn new(count: usize) -> Self {
         Self {
             deflection: vec![0.0; count],
@@ -49,10 +49,10 @@ impl Bristles {
     }
 
     /// Return the deflection of bristle `i` at the beginning of the evaluation.
-    pub(crate) fn bent(&self, i: usize) -> Bent {
+    pub(crate) fn bent(&self, i: usize) -> BristleDeflection {
         match self.gamma {
-            Some(gamma) => Bent::Ahead(self.predicted[i], gamma),
-            None => Bent::Given(self.deflection[i]),
+            Some(gamma) => BristleDeflection::Ahead(self.predicted[i], gamma),
+            None => BristleDeflection::Given(self.deflection[i]),
         }
     }
 
@@ -157,7 +157,7 @@ mod tests {
             for (i, x) in state.iter().enumerate() {
                 assert_eq!(y[model.component(i)], *x);
             }
-            let mut bristles = Bristles::new(count);
+            let mut bristles = ContactBristles::new(count);
             let mut read = vec![0.0; 12];
             bristles.read(&model, &y, &mut read);
             assert_eq!((read, bristles.deflection), (state, bent));
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn deflections_are_given_or_predicted_in_an_implicit_stage() {
-        let mut bristles = Bristles::new(2);
+        let mut bristles = ContactBristles::new(2);
         bristles.deflection.copy_from_slice(&[1.0, 2.0]);
         bristles.rate.fill(5.0);
         bristles.begin();
@@ -174,13 +174,16 @@ mod tests {
             (bristles.rate.clone(), bristles.deflection.clone()),
             (vec![0.0; 2], vec![1.0, 2.0])
         );
-        assert!(matches!(bristles.bent(1), Bent::Given(2.0)));
+        assert!(matches!(bristles.bent(1), BristleDeflection::Given(2.0)));
         bristles.begin_implicit_stage(Some((&[3.0, 4.0], 0.5)));
         bristles.begin();
         assert_eq!(bristles.deflection, [3.0, 4.0]);
-        assert!(matches!(bristles.bent(1), Bent::Ahead(4.0, 0.5)));
+        assert!(matches!(
+            bristles.bent(1),
+            BristleDeflection::Ahead(4.0, 0.5)
+        ));
         bristles.begin_implicit_stage(None);
         bristles.begin();
-        assert!(matches!(bristles.bent(0), Bent::Given(3.0)));
+        assert!(matches!(bristles.bent(0), BristleDeflection::Given(3.0)));
     }
 }

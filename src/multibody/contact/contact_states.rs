@@ -1,6 +1,6 @@
 //! State of all contacts of a mechanism: forces and penetrations of the last evaluation, impact velocity memory, bristles.
 
-use super::bristles::Bristles;
+use super::bristles::ContactBristles;
 use super::event_screening::ContactEnd;
 use super::impact_memory::{Memory, SideState};
 use crate::geometry::Vec2;
@@ -24,7 +24,7 @@ pub(crate) struct ContactStates {
     pub(super) ends: Vec<ContactEnd>,
     /// Whether `ends` are those of the last evaluation.
     pub(super) screened: bool,
-    pub(crate) bristles: Bristles,
+    pub(crate) bristles: ContactBristles,
 }
 
 impl ContactStates {
@@ -39,7 +39,7 @@ impl ContactStates {
             starts: vec![ContactEnd::FAR; contacts],
             ends: vec![ContactEnd::FAR; contacts],
             screened: false,
-            bristles: Bristles::new(model.bristles),
+            bristles: ContactBristles::new(model.bristles),
         }
     }
 

@@ -7,7 +7,7 @@
 
 use nalgebra::Matrix2;
 
-use super::bristles::{Bent, Bristles};
+use super::bristles::{BristleDeflection, ContactBristles};
 use super::compiled_contact::CompiledContact;
 use super::impact_memory::SideState;
 use crate::force_law::LuGre;
@@ -45,7 +45,7 @@ struct Share {
 }
 
 /// Return h(s) of a friction law.
-fn share(law: &FrictionLaw, slip: f64, bent: Option<Bent>) -> Share {
+fn share(law: &FrictionLaw, slip: f64, bent: Option<BristleDeflection>) -> Share {
     match (law, bent) {
         (FrictionLaw::Coulomb(law), _) => {
             let (value, slope) = law.share(slip);
@@ -56,14 +56,16 @@ fn share(law: &FrictionLaw, slip: f64, bent: Option<Bent>) -> Share {
                 rate: 0.0,
             }
         }
-        (FrictionLaw::LuGre(law), bent) => bristled(law, slip, bent.unwrap_or(Bent::Given(0.0))),
+        (FrictionLaw::LuGre(law), bent) => {
+            bristled(law, slip, bent.unwrap_or(BristleDeflection::Given(0.0)))
+        }
     }
 }
 
-fn bristled(law: &LuGre, slip: f64, bent: Bent) -> Share {
+fn bristled(law: &LuGre, slip: f64, bent: BristleDeflection) -> Share {
     let (deflection, slope) = match bent {
-        Bent::Given(deflection) => (deflection, 0.0),
-        Bent::Ahead(predicted, gamma) => law.solve(predicted, gamma, slip),
+        BristleDeflection::Given(deflection) => (deflection, 0.0),
+        BristleDeflection::Ahead(predicted, gamma) => law.solve(predicted, gamma, slip),
     };
     let found = law.bent(deflection, slip);
     Share {
@@ -96,7 +98,7 @@ impl CompiledContact {
         law: &FrictionLaw,
         frames: &[Frame],
         numbers: &[Option<usize>],
-        bristles: &mut Bristles,
+        bristles: &mut ContactBristles,
         (loads, side_states): (&mut BodyLoads, &mut [SideState]),
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
@@ -140,7 +142,7 @@ impl CompiledContact {
         law: &FrictionLaw,
         frames: &[Frame],
         push: &PairForce,
-        bent: Option<Bent>,
+        bent: Option<BristleDeflection>,
     ) -> (PairForce, PairTorque) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let at = self.sliding(push.force, fa, fb);

@@ -14,14 +14,14 @@ pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chai
     let read = Reader::new(object, field, &ENDS)?;
     let links = read.optional("links", count)?;
     Ok(match read.kind.as_str() {
-        "AnchoredEnd" => ChainEnd::Anchor {
+        "AnchoredEnd" => ChainEnd::Anchored {
             position: read.vector("position", "m")?,
             velocity: read.part("velocity", end_velocity)?,
             links,
         },
         "LoadedEnd" => {
             let mass = read.number("mass", "kg")?;
-            ChainEnd::Load {
+            ChainEnd::Loaded {
                 mass,
                 inertia: read
                     .optional_number("inertia", "kg m^2")?
@@ -31,7 +31,7 @@ pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chai
                 links,
             }
         }
-        _ => ChainEnd::Loose {
+        _ => ChainEnd::Free {
             position: read.optional_vector("position", "m")?,
             links,
         },

@@ -26,7 +26,7 @@ pub(super) fn held(drive: &Drive, layout: &Layout) -> Drive {
         };
     }
     for end in held.ends.iter_mut().flatten() {
-        if let ChainEnd::Anchor { velocity, .. } = end {
+        if let ChainEnd::Anchored { velocity, .. } = end {
             *velocity = [0.0.into(), 0.0.into()];
         }
     }

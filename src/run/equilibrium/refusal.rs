@@ -88,7 +88,7 @@ fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
         };
         let own: f64 = strand.map(|i| chain.strand_link(i).mass).sum();
         let load = match ends[end] {
-            ChainEnd::Load { mass, .. } => mass,
+            ChainEnd::Loaded { mass, .. } => mass,
             _ => 0.0,
         };
         drive.gravity.norm() * (own + load)
