@@ -206,7 +206,7 @@ struct State<R> {
 struct Gradient<R> {
     /// Factor of `by_g`, w 6 μ L R³/c³ \[N s/m\].
     most: R,
-    /// Derivatives of both components with g, over `most`; with u_t they are slant times those with g_t.
+    /// Derivatives of both components with g, over `most`; with `u_t` they are `slant` times those with `g_t`.
     by_g: [[R; 2]; 2],
     /// Derivatives of both with the length of the eccentricity \[N/m\].
     longer: [R; 2],
