@@ -18,7 +18,7 @@ use rustchain::math::Table;
 use rustchain::math::simd::InstructionSet;
 use rustchain::system::System;
 
-/// Depth \[m\] that a contact needs to be one beyond bristle_warning: a hundred times the rounding of coordinates of a metre.
+/// Depth \[m\] that a contact needs to be above rounding: a hundred times the rounding of coordinates of a metre.
 const ROUNDING: f64 = 3e-14;
 
 /// Asserts that kernels (as last evaluated) and brute force find the same pairs at the same depths; says how many.
