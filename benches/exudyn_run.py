@@ -1,4 +1,4 @@
-"""How exudyn is run where it is a peer: generalized-alpha, index 2, sparse, fixed steps."""
+"""Runs of exudyn as a peer: generalized-alpha, index 2, sparse, fixed steps."""
 
 import time
 

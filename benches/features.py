@@ -1,4 +1,4 @@
-"""What each feature of a drive costs, and the throughput of sweeps.
+"""Cost of each feature of a drive, and throughput of sweeps.
 
 Every feature is added alone to the published drive; all of them run in turn, round after round.
 With --write, the tables go into docs/performance/features.md and the numbers into features.json

@@ -1,4 +1,4 @@
-"""Whether scenes that are hard in different ways end, at what cost, with what residual.
+"""Robustness: outcome, cost and residual of scenes that are hard in different ways.
 
 Prints a line for each scene; with --write, the table goes into docs/performance/robustness.md. The
 exit status is 1 when a scene fails: it does not end, or its energy balance does not close.
@@ -112,7 +112,7 @@ def scenes(duration: float) -> list[Scene]:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a scene."""
+    """Outcome of a scene."""
 
     scene: Scene
     wall: float
@@ -133,12 +133,12 @@ class Outcome:
 
     @property
     def scale(self) -> str:
-        """Which of the two."""
+        """Name of the one of the two."""
         return "dissipated" if self.dissipated > 0.01 * self.exchanged else "exchanged"
 
     @property
     def failure(self) -> str:
-        """Why the scene failed; empty when it did not."""
+        """Reason why the scene failed; empty when it did not."""
         allowed = OF_DISSIPATED * self.dissipated + OF_EXCHANGED * self.exchanged
         if self.message or self.residual <= allowed:
             return self.message

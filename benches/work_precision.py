@@ -193,7 +193,7 @@ def last_run():
 
 
 class Record:
-    """What the runs came to, kept after every scene."""
+    """Results of the runs, stored after every scene."""
 
     def __init__(self, tried, merged):
         self.tried = tried

@@ -1,4 +1,4 @@
-"""What is made of runs: times at equal error, and means with their confidence."""
+"""Analysis of runs: times at equal error, and means with their confidence."""
 
 from __future__ import annotations
 

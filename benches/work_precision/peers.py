@@ -44,7 +44,7 @@ class _Tableau(c.Structure):
 
 @dataclass
 class Run:
-    """What one run came to; times in s, energies in J."""
+    """Result of one run; times in s, energies in J."""
 
     wall: float
     steps: int = 0

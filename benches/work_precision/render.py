@@ -200,7 +200,7 @@ def verdicts(record):
 
 
 def is_known(scene):
-    """Whether the answer is known, and an evaluation next to nothing."""
+    """Return whether the answer is known and an evaluation is cheap."""
     return scene.startswith(("planet", "pin"))
 
 
@@ -219,7 +219,7 @@ def _evaluations(counts):
 
 
 def _load(record):
-    """How busy the machine was: the run itself is one."""
+    """Load of the machine; the run itself is one."""
     loads = [load for pair in record.get("load", {}).values() for load in pair]
     if not loads:
         return ""
@@ -234,7 +234,7 @@ def _errors(scene):
 
 
 def _narrower(record, scene):
-    """How many times as long a step of Newton's method takes with registers of 256 bits, if known.
+    """Return the time of a Newton step with vectors of 256 bits over that with 512 bits, if known.
 
     The path is the same to the last bit, and so are the steps.
     """
@@ -316,7 +316,7 @@ def _links(record):
 
 
 def _orders(record):
-    """How the error falls with the tolerance, and over how many decades of both.
+    """Return the order at which the error falls with the tolerance, and the decades of both.
 
     Of a formula of order k it falls as tolerance^(k/(k+1)): 0.67 for Newton's method at order 2,
     up to 0.92 for PECE, less where contacts hold its order down.

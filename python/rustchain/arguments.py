@@ -297,7 +297,7 @@ def _is_row(hint: Any) -> bool:  # noqa: ANN401
 
 
 def _is_instance(value: object, hint: Any) -> bool:  # noqa: ANN401
-    """Whether a value is of a class, or of what a generic type is made from; all else counts."""
+    """Return whether a value is of a class or of a generic type's origin; else return True."""
     if hint is type(None):
         return value is None
     kind = get_origin(hint) or hint

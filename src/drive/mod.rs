@@ -39,7 +39,7 @@ use crate::geometry::path::belt::Side;
 /// Largest number of pairs of a bushing and a sprocket or guide; a pair takes 150 bytes.
 const MOST_PAIRS: f64 = 1e7;
 
-/// How the links of a chain are joined.
+/// Kind of the hinges between the links of a chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum HingeKind {
     /// Pins with clearance in their bushings.
@@ -66,7 +66,7 @@ pub struct Drive {
     /// Ends of an open chain, before its first link and after its last; `None` for a closed chain. An open chain may have no
     /// sprocket.
     pub ends: Option<[ChainEnd; 2]>,
-    /// How the links are joined.
+    /// Kind of the hinges.
     pub hinge_kind: HingeKind,
 }
 

@@ -13,7 +13,7 @@ pub(crate) struct Definition {
     pub(crate) name: &'static str,
     /// Computes the constants of its form for one pair.
     pub(crate) prepare: fn(&SurfacePair) -> [f64; 2],
-    /// Returns the reason why the law is outside its range for these surfaces at any penetration, if it is.
+    /// Return the reason why the law is outside its range for these surfaces at any penetration, if it is.
     pub(crate) range_note: fn(&SurfacePair) -> Option<String>,
 }
 

@@ -37,7 +37,7 @@ pub struct StepControl {
     pub accuracy: f64,
 }
 
-/// How the corrector's equation is solved.
+/// Method of solution of the corrector's equation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Corrector {
     /// Corrector switching: the cheaper of the two at each time.

@@ -1,4 +1,4 @@
-//! Whether a start has the bodies that are held at a place where the drive's description has them.
+//! Check of a start: held bodies are where the drive's description has them.
 
 use super::InitialConfiguration;
 use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket};
@@ -75,7 +75,7 @@ pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Resul
     Ok(())
 }
 
-/// Where a centre at `found` must be, and why; nothing where it is free.
+/// Return the required position of a centre at `found`, and the reason; `None` for a free centre.
 fn held_at(
     drive: &Drive,
     number: usize,

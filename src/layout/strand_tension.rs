@@ -32,7 +32,7 @@ pub(crate) struct ChainRow<'a> {
     pub(crate) on_front: [&'a [f64]; 2],
     /// The sprockets in the order in which the strands leave them, with their pitch circles.
     pub(crate) pulleys: &'a [Pulley],
-    /// How far from its centre each of them is in reach of a bushing \[m\].
+    /// Largest distance from its centre at which each of them touches a bushing \[m\].
     pub(crate) reaches: &'a [f64],
 }
 
@@ -80,12 +80,12 @@ impl ChainRow<'_> {
         averages(&means)
     }
 
-    /// Whether sprocket `s` is in reach of a bushing.
+    /// Return whether sprocket `s` is in reach of a bushing.
     fn touches(&self, s: usize, bushing: Vec2) -> bool {
         (bushing - self.pulleys[s].center).norm() < self.reaches[s]
     }
 
-    /// Adds hinge `k` to the hinges of a strand.
+    /// Add hinge `k` to the hinges of a strand.
     fn add(&self, k: usize, mean: &mut Mean) {
         let next = if k + 1 < self.links[0].len() {
             k + 1

@@ -1,4 +1,4 @@
-//! How a chain is laid round two sprockets: the choices of the generator, and what cannot be laid.
+//! Layout of a chain around two sprockets: choices of the generator, and errors.
 
 use std::f64::consts::PI;
 
@@ -96,7 +96,7 @@ impl<'a> TwoSprocketDrive<'a> {
         }
     }
 
-    /// What would work instead, for messages.
+    /// Return a remedy for messages.
     fn suggestion(&self) -> String {
         let (pitch, teeth, links) = (
             self.drive.chain.mean_pitch(),

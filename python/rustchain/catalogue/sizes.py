@@ -107,7 +107,7 @@ class ChainSize:
 
     @property
     def has_rollers(self) -> bool:
-        """Whether rollers turn on the bushings."""
+        """True if rollers turn on the bushings."""
         return self.bushing_diameter < self.roller_diameter
 
     @property
@@ -151,7 +151,7 @@ class ChainSize:
 
     @property
     def mass_scale(self) -> float:
-        """What the parts' masses are multiplied by to weigh `mass_per_length`."""
+        """Return the factor of the parts' masses at which the chain weighs `mass_per_length`."""
         return 2 * self.pitch * self.mass_per_length / sum(p.mass for p in self.parts.values())
 
     @property

@@ -1,4 +1,4 @@
-"""What the commands share: their drive and its settings, what they print, errors and exit codes."""
+"""Shared parts of the commands: the drive and its settings, output, errors and exit codes."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ Quiet = Annotated[
 
 @dataclass(frozen=True)
 class Output:
-    """Where a command prints: text as it goes, or one JSON document at its end."""
+    """Output of a command: text during the command, or one JSON document at its end."""
 
     json: bool
     quiet: bool
@@ -91,7 +91,7 @@ class Output:
 
     @property
     def progress(self) -> bool:
-        """Whether a bar is shown, where a terminal is there to show it."""
+        """Return whether a progress bar is shown, if there is a terminal."""
         return not self.quiet
 
 

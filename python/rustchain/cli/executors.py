@@ -1,4 +1,4 @@
-"""Where the cases of a sweep run, by a word on the command line."""
+"""Executors of the cases of a sweep, by their names on the command line."""
 
 from __future__ import annotations
 

@@ -127,7 +127,7 @@ def _fits(value: Mapping[str, object], fields: Mapping[str, Field]) -> bool:
 
 
 def may_be_none(hint: Any) -> bool:  # noqa: ANN401
-    """Whether an annotation allows None, which files write as a word of their own."""
+    """Return whether an annotation permits None, for which files have a word."""
     return NoneType in get_args(hint)
 
 

@@ -97,7 +97,7 @@ MOST_LINKS = 100_000  # of a Chain; holds a place until the links are counted
 
 
 class _Wrong:
-    """What stands for a value that was refused."""
+    """Placeholder of a value that was refused."""
 
 
 _WRONG = _Wrong()

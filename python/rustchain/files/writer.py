@@ -79,7 +79,7 @@ def _toml(path: tuple[str, ...], table: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _is_inside(value: object) -> bool:
-    """Whether a value is a table, or a list of tables alone."""
+    """Return whether a value is a table or a list of tables."""
     if isinstance(value, list):
         return bool(value) and all(isinstance(each, Mapping) for each in value)
     return isinstance(value, Mapping)

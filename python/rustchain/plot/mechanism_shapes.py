@@ -76,7 +76,7 @@ def shapes_of_mechanism(mechanism: Mechanism) -> Shapes:
 
 
 def _is_drawn(force: Force) -> bool:
-    """Whether a force element has a place: the dashpot of a slide is one to a point far away."""
+    """Return whether a force element has a position; the dashpot of a slide has none."""
     return force.kind != "spring" or bool(force.stiffness or force.cubic or force.table)
 
 

@@ -48,7 +48,7 @@ class Shape:
     outline : ndarray, (points, 2)
         In the frame of the body [m].
     closed : bool
-        Whether the last point is joined to the first.
+        True if the last point is joined to the first.
     """
 
     kind: Kind
@@ -80,7 +80,7 @@ class Bar:
 
     @property
     def closed(self) -> bool:
-        """Whether the last point is joined to the first."""
+        """True if the last point is joined to the first."""
         return self.kind != "spring"
 
 

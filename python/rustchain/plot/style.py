@@ -1,4 +1,4 @@
-"""What all figures share: colours, style, panels, legends, and the rows of a part of the time."""
+"""Shared parts of all figures: colours, style, panels, legends, and rows of a part of the time."""
 
 from __future__ import annotations
 

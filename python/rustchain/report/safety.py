@@ -43,7 +43,7 @@ _MORE_TEETH = 0.01  # of the allowed pressure, for each tooth more than 17
 
 @dataclass(frozen=True)
 class Safety:
-    """How far the loads of a chain are from breaking it, and the pressure in its hinges.
+    """Safety of a chain: loads beside the breaking force, and the pressure in its hinges.
 
     Attributes
     ----------

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 
 class Variable(NamedTuple):
-    """What an array of a result is."""
+    """Description of an array of a result."""
 
     group: str
     dims: tuple[str, ...]  # after "time"

@@ -116,7 +116,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
 
     @property
     def success(self) -> bool:
-        """Whether the run reached its end, or a stop condition."""
+        """True if the run reached its end or a stop condition."""
         return self.status in ("finished", "stopped")
 
     @property

@@ -34,7 +34,7 @@ _PAUSE = 0.05  # [s] between attempts; a piece is written in less
 
 
 class Header(NamedTuple):
-    """What a streamed file has beside its rows."""
+    """Contents of a streamed file beside its rows."""
 
     attributes: dict[str, Any]
     arrays: StoredArrays

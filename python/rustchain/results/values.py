@@ -25,7 +25,7 @@ def read_only(value: Any) -> Any:  # noqa: ANN401
 
 
 def equal(one: object, other: object) -> bool:
-    """Whether two values are the same to the last bit; NaN is equal to NaN.
+    """Return whether two values are the same to the last bit; NaN is equal to NaN.
 
     Exceptions are equal where class and text are.
     """

@@ -129,7 +129,7 @@ class Bar(Protocol):
 
 
 class _NoBar:
-    """What counts the progress where no bar is shown."""
+    """Progress counter where no bar is shown."""
 
     n = 0.0
     total = 0.0

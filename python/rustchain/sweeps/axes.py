@@ -1,4 +1,4 @@
-"""What a parameter of a sweep may be called, and what it changes in a scene."""
+"""Names of the parameters of a sweep, and their effect on a scene."""
 
 from __future__ import annotations
 
@@ -234,7 +234,7 @@ def _target(name: str) -> str:
 
 
 def _in_scene(name: str) -> bool:
-    """Whether a name is that of a field of the scene, or of what lies in it."""
+    """Return whether a name is that of a field of the scene or of one of its parts."""
     return str(name).split(".")[0] in _SCENE_FIELDS
 
 

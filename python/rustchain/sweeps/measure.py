@@ -1,4 +1,4 @@
-"""What a study may measure: numbers and arrays of them, under names that mean nothing else."""
+"""Measures of a study: numbers and arrays of numbers, with names that have no other meaning."""
 
 from __future__ import annotations
 

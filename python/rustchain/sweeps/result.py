@@ -1,4 +1,4 @@
-"""What the cases of a sweep came to: values, errors, and tables of both."""
+"""Results of the cases of a sweep: values, errors, and tables of both."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _Values: TypeAlias = npt.NDArray[Any]
 @named_attributes
 @dataclass(eq=False, repr=False)
 class SweepResult(ArrayValue, HtmlView):
-    """What the cases of a sweep came to, in the order of the cases.
+    """Results of the cases of a sweep, in the order of the cases.
 
     Two of them are equal (``==``) where cases, values and warnings are, to the last bit, and errors
     by class and text. Wall times do not count.
@@ -87,18 +87,18 @@ class SweepResult(ArrayValue, HtmlView):
 
     @property
     def success(self) -> bool:
-        """Whether every case reached its end and was measured."""
+        """True if every case reached its end and was measured."""
         return self.status == "finished" and not self.errors
 
     @property
     def message(self) -> str:
-        """How the sweep ended, in words."""
+        """Message on the end of the sweep."""
         fate = f"{self.finished} of {len(self.cases)} cases finished, {len(self.errors)} failed"
         return fate if self.status == "finished" else f"interrupted: {fate}"
 
     @property
     def finished(self) -> int:
-        """How many cases reached their end and were measured."""
+        """Number of cases that reached their end and were measured."""
         return len(self._ended)
 
     @property

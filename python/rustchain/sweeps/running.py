@@ -44,7 +44,7 @@ _MOST_SUBMITTED = 1024
 
 
 class DaskClient(Protocol):
-    """What is asked of a client of Dask."""
+    """Methods of a Dask client that sweeps use."""
 
     def get_executor(self, *, pure: bool) -> Executor:
         """Return an executor that runs on the client's cluster."""

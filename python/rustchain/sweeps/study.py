@@ -39,7 +39,7 @@ _STATISTICS = ("mean", "std", "low", "high", "count")
 @named_attributes
 @dataclass(frozen=True, eq=False, repr=False)
 class StudyResult(ArrayValue, HtmlView):
-    """What several runs of each case came to; equal (``==``) where its runs are.
+    """Results of several runs of each case; equal (``==``) if the runs are.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ const NARROW: f64 = 1e-15;
 /// Pitches by which ties of rounding to whole pitches are decided on every machine: rounding of a wrap or a length is less.
 const TIE: f64 = 1e-9;
 
-/// What the path needs to know of a sprocket.
+/// Properties of a sprocket that the path depends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheel {
     /// Number of teeth.
@@ -72,7 +72,7 @@ impl Strand {
     }
 }
 
-/// How many pitches lie where.
+/// Numbers of pitches on sprockets and strands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Split {
     /// Pitches between the first and the last seated hinge of each sprocket.
@@ -86,7 +86,7 @@ pub struct Split {
 pub struct Path {
     /// Distance of the sprockets' centres \[m\].
     pub center_distance: f64,
-    /// How many pitches lie where.
+    /// Numbers of pitches on sprockets and strands.
     pub split: Split,
     /// Angle of the first seated hinge of each sprocket, seen from its centre \[rad\].
     pub first_seat: [f64; 2],
@@ -96,11 +96,11 @@ pub struct Path {
     pub spans: [f64; 2],
     /// Chain length in each strand less the straight distance \[m\]: positive when it sags, negative when it is stretched.
     pub slack: [f64; 2],
-    /// How far each strand bows outward \[m\].
+    /// Outward bow of each strand \[m\].
     pub sag: [f64; 2],
     /// Hinge positions \[m\], hinge 1 first.
     pub hinges: Vec<Vec2>,
-    /// Which sprocket (0 or 1) each hinge is seated on.
+    /// Sprocket (0 or 1) on which each hinge is seated.
     pub seat_of: Vec<Option<usize>>,
 }
 

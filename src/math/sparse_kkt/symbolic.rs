@@ -18,7 +18,7 @@ pub(crate) fn rows_on_bodies(
     found
 }
 
-/// Which of the nodes with equally many neighbours is eliminated first.
+/// Order of elimination of nodes with equally many neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Tie {
     /// The one described first.

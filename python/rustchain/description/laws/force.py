@@ -31,7 +31,7 @@ Surfaces = Literal["internal", "external", "flat"]
 
 @dataclass(frozen=True)
 class ForceLaw(Description):
-    """What every force law has; choose one of its subclasses.
+    """Common base of the force laws; choose one of its subclasses.
 
     Attributes
     ----------

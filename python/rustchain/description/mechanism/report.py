@@ -16,7 +16,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, repr=False)
 class MechanismReport(HtmlView):
-    """What assembling a mechanism found.
+    """Report of the assembly of a mechanism.
 
     Attributes
     ----------
