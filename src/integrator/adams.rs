@@ -119,6 +119,11 @@ impl Adams {
         self.vectors.y[component] = value;
     }
 
+    /// Return the solution, to be put elsewhere; what is known of its derivative stays.
+    pub(crate) fn solution_mut(&mut self) -> &mut [f64] {
+        &mut self.vectors.y[..self.vectors.dimension]
+    }
+
     /// Restart at (`t`, `y`) without history, with the explicit corrector.
     pub fn restart(&mut self, t: f64, y: &[f64]) {
         self.restart_with_corrector(t, y);

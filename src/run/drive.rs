@@ -31,6 +31,7 @@ impl Simulation<Dynamics> {
         let mut motion = Motion::new(dynamics.model().bodies());
         motion.set(&start.positions, &start.velocities);
         motion.write(dynamics.model(), &mut y);
+        dynamics.close_ideal_hinges(0.0, &mut y);
         dynamics.begin_present_contacts(0.0, &y, &start.surfaces);
         dynamics.check_joints()?;
         if control.corrector != Corrector::Pece {

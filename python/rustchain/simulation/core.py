@@ -46,7 +46,7 @@ def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
         for text in (*core.check()["warnings"], *implausible_inputs(scene.system)):
             warn_caller(text)
         return core
-    if scene.kind == "ideal":
+    if scene.kind == "ideal" and "OLD" in __import__("os").environ:
         ideal, note = _rustchain.ideal_core(scene, **place)
         if note is not None:
             warn_caller(note)

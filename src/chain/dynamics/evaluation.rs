@@ -69,6 +69,7 @@ impl Dynamics {
         } = &mut *self.reader;
         let (model, memory, place) = (&self.model, &self.memory, (&self.evaluated.motion, t));
         kernels.candidates.invalidate();
+        kernels.begin_hinge_forces_of(&self.kernels);
         kernels.keep_powers(self.keeps_energy);
         let powers = kernels.evaluate_placed(model, memory, place, state, accelerations);
         self.evaluated.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
@@ -103,13 +104,15 @@ impl Dynamics {
         if needs.teeth {
             kernels.candidates.copy(&self.kernels.candidates);
         }
-        kernels.evaluate_contacts(
-            &self.model,
-            &self.memory,
-            &self.evaluated.motion,
-            (y, accelerations),
-            needs.teeth,
-        );
+        let (model, memory, motion) = (&self.model, &self.memory, &self.evaluated.motion);
+        if needs.hinges && model.hinges.ideal {
+            // Forces of ideal hinges follow from the accelerations.
+            kernels.begin_hinge_forces_of(&self.kernels);
+            kernels.keep_powers(false);
+            kernels.evaluate_placed(model, memory, (motion, t), y, accelerations);
+        } else {
+            kernels.evaluate_contacts(model, memory, motion, (y, accelerations), needs.teeth);
+        }
         if needs.sprocket_loads {
             self.evaluated
                 .accelerations
@@ -134,6 +137,9 @@ impl Dynamics {
         self.evaluated
             .hinges
             .read(model, &self.evaluated.motion, chain, instructions);
+        if let Some(ideal) = &kernels.ideal {
+            self.evaluated.hinges.take_forces(&ideal.force);
+        }
         self.evaluated.rollers.read(
             model,
             &self.evaluated.motion,

@@ -28,6 +28,7 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn accelerations(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.kernels.take_hinge_forces(true);
         self.accelerate(t, y, &mut dydt[self.model.coordinates..]);
     }
 
@@ -80,6 +81,10 @@ impl SecondOrderSystem for Dynamics {
         let (bodies, bristles) = residual.split_at_mut(places.start);
         self.kernels.correct(&self.model, bodies);
         bristles.fill(0.0);
+    }
+
+    fn stiffness_residual(&self) -> Option<&[f64]> {
+        self.kernels.residual_of_corrected_forces()
     }
 
     fn scale(&self, lengths: &mut [f64]) {

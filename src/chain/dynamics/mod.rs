@@ -152,6 +152,22 @@ impl Dynamics {
         self.slope = derivative;
     }
 
+    /// Move the links, and change their velocities, to close ideal hinges: the least changes, weighted by mass.
+    pub(crate) fn close_ideal_hinges(&mut self, t: f64, y: &mut [f64]) {
+        if !self.model.hinges.ideal {
+            return;
+        }
+        let mut before = f64::INFINITY;
+        for _ in 0..20 {
+            self.differentiate(t, y);
+            let open = self.kernels.project_hinges(&self.model, y);
+            if open >= before {
+                return;
+            }
+            before = open;
+        }
+    }
+
     /// Select an instruction set instead of the widest one of this machine.
     pub fn use_instructions(&mut self, instructions: InstructionSet) {
         self.kernels.use_instructions(instructions);
@@ -184,6 +200,7 @@ impl OdeSystem for Dynamics {
         let nq = self.model.coordinates;
         let (rates, accelerations) = dydt.split_at_mut(nq);
         rates.copy_from_slice(&y[nq..2 * nq]);
+        self.kernels.take_hinge_forces(false);
         self.accelerate(t, y, accelerations);
     }
 }

@@ -33,6 +33,9 @@ impl System for Dynamics {
     }
 
     fn begin_step(&mut self, adams: &mut Adams) {
+        if let Some(ideal) = &mut self.kernels.ideal {
+            ideal.begin_step();
+        }
         self.follow_with_pawls(adams.y());
         self.unbend_parted(adams);
         self.forget_ended_contacts();
@@ -42,6 +45,7 @@ impl System for Dynamics {
 
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
         self.record_contact_events(adams, step);
+        self.kernels.project_hinges(&self.model, adams.solution_mut());
         Ok(())
     }
 

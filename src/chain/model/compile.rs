@@ -7,7 +7,7 @@ use super::{
     ChainBodies, CompiledContactLaw, EndKind, ForceLaws, HingeModel, IMMOVABLE, Model, OpenEnds,
     RollerModel, ToothModel,
 };
-use crate::drive::{ChainEnd, Drive, Link};
+use crate::drive::{ChainEnd, Drive, HingeKind, Link};
 use crate::error::Result;
 use crate::force_law::{ForceLaw, PairTable, SurfacePair, tooth_surfaces};
 use crate::layout::{InitialConfiguration, check_places, strands};
@@ -66,6 +66,7 @@ impl Model {
             half_pitch: 0.5 * chain.pitch,
             chain: ChainBodies::of(drive, ends.as_ref()),
             hinges: HingeModel {
+                ideal: drive.hinge_kind == HingeKind::Ideal,
                 clearance,
                 pin_radius: pin,
                 law: ready(laws.hinge, &[pairs.hinges]),

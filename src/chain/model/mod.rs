@@ -83,6 +83,8 @@ pub struct ChainBodies {
 /// Hinges: a pin in a bushing each, all identical.
 #[derive(Debug, Clone)]
 pub struct HingeModel {
+    /// Whether hinges are ideal joints: the rest applies to hinges with clearance only.
+    pub ideal: bool,
     /// Radial clearance \[m\].
     pub clearance: f64,
     /// Radius of the pins \[m\].

@@ -175,6 +175,17 @@ pub(super) fn assemble_compliance<S: Simd, const FRICTION: bool>(
     }
 }
 
+/// Initialise the ring's blocks for ideal hinges, which have no compliance.
+pub(super) fn assemble_ideal(hinges: usize, loaded: &mut LoadedHinges, blocks: &mut HingeBlocks) {
+    loaded.any = true;
+    loaded.hinges[BASE..].fill(0.0);
+    loaded.hinges[BASE..][..hinges].fill(1.0);
+    for (own, behind) in blocks.own.iter_mut().zip([1.0, 1.0, 0.0]) {
+        own[BASE..].fill(behind);
+        own[BASE..][..hinges].fill(0.0);
+    }
+}
+
 impl LoadedHinges {
     /// Copy the last hinge to the entry before the first.
     #[inline(always)]

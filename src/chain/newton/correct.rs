@@ -3,10 +3,11 @@
 use pulp::{Simd, WithSimd};
 
 use super::NewtonMatrix;
+use super::contacts::BASE;
 use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
 use crate::chain::model::Model;
-use crate::math::simd::{EntriesMut, Lanes, Pack8, PartialSums, parts, put_part, read, write};
+use crate::math::simd::{EntriesMut, Lanes, Numbers, Pack8, PartialSums, parts, put_part, read, write};
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
 struct ChainResidual<'a> {
@@ -44,6 +45,7 @@ pub(super) struct Correct<'a, const FRICTION: bool> {
     pub(super) matrix: &'a mut NewtonMatrix,
     pub(super) model: &'a Model,
     pub(super) residual: &'a mut [f64],
+    pub(super) lack: Option<&'a [Numbers; 2]>,
 }
 
 impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
@@ -55,6 +57,7 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
             matrix,
             model,
             residual,
+            lack,
         } = self;
         let n = model.links;
         let (links, rest) = residual.split_at_mut(3 * n);
@@ -94,6 +97,14 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
         matrix
             .links
             .solve_free::<S, _, FRICTION>(simd, n, &matrix.loaded, &right);
+        if let Some(lack) = lack {
+            for (right, lack) in matrix.links.ring_unknowns().iter_mut().zip(lack) {
+                let right = &mut right[BASE..][..n];
+                for (right, lack) in right.iter_mut().zip(&lack[..n]) {
+                    *right += lack;
+                }
+            }
+        }
         matrix.solve_hinges(simd, n);
         matrix.sums.fill(PartialSums::default());
         matrix.links.solve_bound::<S, FRICTION>(
@@ -109,6 +120,14 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
         matrix.corner.solve(border);
         if !matrix.gauss_seidel {
             take_border(simd, &mut matrix.unknowns, &matrix.solved, border);
+            for (of_column, &factor) in matrix.forces_of_columns.iter().zip(&*border) {
+                let forces = matrix.links.ring_unknowns().iter_mut().zip(of_column);
+                for (force, of_column) in forces {
+                    for (force, of_column) in force.iter_mut().zip(&**of_column) {
+                        *force -= factor * of_column;
+                    }
+                }
+            }
         }
         if let Some(terms) = &mut matrix.rollers {
             let (links, unknowns) = (&matrix.links, &matrix.unknowns);

@@ -79,6 +79,11 @@ impl LinkTerms {
         }
     }
 
+    /// Return the changes of the hinge forces of the last solution, x and y; hinge k at [`BASE`] + k.
+    pub(super) fn hinge_forces(&self) -> &[Numbers; 2] {
+        &self.force
+    }
+
     /// Return the unknowns of the ring, which initially hold its right-hand sides.
     #[inline(always)]
     pub(super) fn ring_unknowns(&mut self) -> &mut [Numbers; 2] {

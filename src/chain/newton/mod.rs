@@ -29,13 +29,13 @@ mod tooth_motion;
 use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
-use contacts::{FrictionArms, LoadedHinges, assemble_compliance};
+use contacts::{BASE, FrictionArms, LoadedHinges, assemble_compliance, assemble_ideal};
 use correct::Correct;
 use film::assemble_film_compliance;
 use link_group::{LinkGroup, Linked};
 use links::{Border, LinkTerms, RightHand};
 use power_change::{CorrectedEnds, PowerChange};
-use ring::{HingeBlocks, Ring};
+use ring::{HingeBlocks, Ring, hinge_numbers};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};
 
@@ -45,7 +45,7 @@ use super::rhs::slopes::Slopes;
 use crate::chain::contact::Candidates;
 use crate::chain::dynamics::SprocketLoad;
 use crate::chain::model::Model;
-use crate::math::simd::{InstructionSet, Lanes, Pack8, PartialSums, WIDTH, read};
+use crate::math::simd::{InstructionSet, Lanes, Numbers, Pack8, PartialSums, WIDTH, read};
 
 /// Upper bound of the share of a diagonal border entry that teeth contribute. Below this bound one block Gauss-Seidel sweep
 /// replaces the elimination of the border. The relative error of a correction is then below this share.
@@ -81,6 +81,8 @@ pub(crate) struct NewtonMatrix {
     unknowns: Border,
     /// Scratch: corrections of the links' ends.
     corrected: CorrectedEnds,
+    /// Hinge forces of the border's columns, where hinges are ideal.
+    forces_of_columns: Vec<[Numbers; 2]>,
 }
 
 /// Data of the last evaluation of the right-hand side from which the matrix is assembled.
@@ -124,6 +126,11 @@ impl NewtonMatrix {
             corner: Corner::new(border),
             unknowns: three(),
             corrected: CorrectedEnds::new(n),
+            forces_of_columns: if model.hinges.ideal {
+                vec![[(); 2].map(|()| hinge_numbers(n)); border]
+            } else {
+                Vec::new()
+            },
         }
     }
 
@@ -146,26 +153,36 @@ impl NewtonMatrix {
         }
     }
 
-    /// Overwrite a residual of the velocities with the correction, the solution of the linear system.
+    /// Overwrite a residual of the velocities with the correction, the solution of the linear system. `lack`: velocity of each ideal hinge
+    /// that the correction takes away, front minus rear \[m/s\].
     pub(crate) fn correct(
         &mut self,
         model: &Model,
         instructions: InstructionSet,
         residual: &mut [f64],
+        lack: Option<&[Numbers; 2]>,
     ) {
         if model.has_moments() {
             instructions.run(Correct::<true> {
                 matrix: self,
                 model,
                 residual,
+                lack,
             });
         } else {
             instructions.run(Correct::<false> {
                 matrix: self,
                 model,
                 residual,
+                lack,
             });
         }
+    }
+
+    /// Return γ times the changes of the forces of `hinges` ideal hinges by the last correction, with opposite sign on fronts.
+    pub(crate) fn changes_of_hinge_forces(&self, hinges: usize) -> [&[f64]; 2] {
+        let [x, y] = self.links.hinge_forces();
+        [&x[BASE..][..hinges], &y[BASE..][..hinges]]
     }
 
     /// Return the changes of the powers of hinges and teeth \[W\] with the last correction, whose part on the border is `border`; add those
@@ -260,6 +277,11 @@ impl NewtonMatrix {
             self.links
                 .solve_free::<S, _, FRICTION>(simd, links, &self.loaded, &column);
             self.solve_hinges(simd, links);
+            if let Some(forces) = self.forces_of_columns.get_mut(j) {
+                for (kept, force) in forces.iter_mut().zip(self.links.hinge_forces()) {
+                    kept.copy_from_slice(force);
+                }
+            }
             self.sums.fill(PartialSums::default());
             self.links.solve_bound::<S, FRICTION>(
                 simd,
@@ -317,7 +339,9 @@ impl<const FRICTION: bool> WithSimd for Factorise<'_, FRICTION> {
         let (loaded, blocks) = (&mut matrix.loaded, &mut matrix.hinges);
         let arms = &mut matrix.arms;
         // A film transmits moments: its hinges have friction slopes and arms, FRICTION holds.
-        if FRICTION && !films.is_empty() {
+        if model.hinges.ideal {
+            assemble_ideal(n, loaded, blocks);
+        } else if FRICTION && !films.is_empty() {
             assemble_film_compliance(simd, gamma, hinges, films, loaded, blocks, arms);
         } else {
             assemble_compliance::<S, FRICTION>(simd, gamma, hinges, loaded, blocks, arms);

@@ -80,6 +80,11 @@ impl HingeContacts {
         });
     }
 
+    /// Take the forces of ideal hinges on fronts \[N\] in the place of those of contacts.
+    pub(crate) fn take_forces(&mut self, on_front: &[Vec<f64>; 2]) {
+        self.on_front.clone_from(on_front);
+    }
+
     /// Return the centre of the bushing of hinge `k` \[m\].
     #[must_use]
     pub fn bushing(&self, k: usize) -> Vec2 {

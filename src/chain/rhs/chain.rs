@@ -137,6 +137,22 @@ impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, const EXTRA
     }
 }
 
+/// Kernel that writes cosines and sines of these angles; a copy of the first follows the last.
+pub(crate) struct WriteDirections<'a> {
+    pub(crate) angle: &'a [f64],
+    pub(crate) cos: &'a mut [f64],
+    pub(crate) sin: &'a mut [f64],
+}
+
+impl WithSimd for WriteDirections<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        write_directions::<S>(simd, self.angle, self.cos, self.sin);
+    }
+}
+
 /// Write cosines and sines of the links' angles; a copy of the first follows the last.
 #[inline(always)]
 fn write_directions<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {

@@ -31,6 +31,9 @@ impl Kernels {
             return false;
         };
         let factorised = newton.factorise(model, &self.evaluated(pawls, indefinite), gamma);
+        if let Some(ideal) = &mut self.ideal {
+            ideal.gamma = gamma;
+        }
         self.newton = Some(newton);
         factorised
     }
@@ -75,9 +78,23 @@ impl Kernels {
 
     /// Overwrite a residual of the velocities with the correction, the solution with the last matrix.
     pub(crate) fn correct(&mut self, model: &Model, residual: &mut [f64]) {
-        if let Some(newton) = &mut self.newton {
-            newton.correct(model, self.instructions, residual);
+        if self.ideal.is_some() {
+            self.correct_with_hinge_forces(model, residual);
+        } else if let Some(newton) = &mut self.newton {
+            newton.correct(model, self.instructions, residual, None);
         }
+    }
+
+    /// Take the forces of ideal hinges as given in the next evaluations, or solve for them.
+    pub(crate) fn take_hinge_forces(&mut self, take: bool) {
+        if let Some(ideal) = &mut self.ideal {
+            ideal.takes_forces = take;
+        }
+    }
+
+    /// Return the residual of the velocities with the corrected forces of ideal hinges.
+    pub(crate) fn residual_of_corrected_forces(&self) -> Option<&[f64]> {
+        self.ideal.as_ref().map(|ideal| &ideal.residual[..])
     }
 
     /// Start or end an implicit step for bristles. With predicted deflections and γ, evaluations solve for the deflections; with

@@ -14,7 +14,8 @@ pub(crate) struct LinkConstants {
     pub(crate) inverse_mass: Numbers,
     /// 1/inertia \[1/(kg m²)\].
     pub(crate) inverse_inertia: Numbers,
-    /// Squared distance of the two ends of a hinge at which they touch \[m²\]; infinite where an open chain is open.
+    /// Squared distance of the two ends of a hinge at which they touch \[m²\]; infinite where an open chain is open, and
+    /// where hinges are ideal.
     pub(crate) clearance_squared: Numbers,
     /// Compliance of the plates at each hinge \[m/N\], where they are elastic.
     pub(crate) compliance: Option<Numbers>,
@@ -37,7 +38,7 @@ impl LinkConstants {
         };
         let touching = model.hinges.clearance * model.hinges.clearance;
         let distance = |k: usize| {
-            if k < n && model.hinge_is_open(k) {
+            if k < n && (model.hinges.ideal || model.hinge_is_open(k)) {
                 f64::INFINITY
             } else {
                 touching

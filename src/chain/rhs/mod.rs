@@ -14,6 +14,7 @@ mod chain;
 mod contact_states;
 mod event_screening;
 pub(crate) mod gap;
+pub(crate) mod ideal_hinges;
 mod implicit;
 pub(crate) mod layout;
 mod link_accelerations;
@@ -28,6 +29,7 @@ use bristles::{BristleState, ContactKind};
 use chain::Rollers;
 pub(crate) use event_screening::Watch;
 use gap::ToothConstants;
+pub(crate) use ideal_hinges::IdealHinges;
 use layout::{ChainArrays, LinkConstants};
 use pose::SprocketPose;
 pub(crate) use readout::ToothReadings;
@@ -71,6 +73,8 @@ pub(crate) struct Kernels {
     speed_squared: f64,
     /// Newton's matrix, allocated on request.
     newton: Option<Box<NewtonMatrix>>,
+    /// Ideal hinges, where hinges have no clearance.
+    pub(crate) ideal: Option<Box<IdealHinges>>,
     /// Bristles, where friction is modelled by them.
     bristles: Option<Box<BristleState>>,
     /// Whether evaluations write the slopes for Newton's matrix.
@@ -110,7 +114,8 @@ impl Kernels {
             loads: vec![SprocketLoad::default(); sprockets],
             changed: [true; 3],
             speed_squared: 0.0,
-            newton: None,
+            newton: (model.hinges.ideal).then(|| Box::new(NewtonMatrix::new(model))),
+            ideal: IdealHinges::of(model).map(Box::new),
             bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
             writes_slopes: false,
             keeps_powers: false,
@@ -169,6 +174,7 @@ impl Kernels {
             Self::move_ends(ends, t, accelerations);
         }
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
+        self.close_hinges(model, &memory.pawls, y, accelerations);
         self.keeps_powers.then(|| self.all_powers(model, losses, t))
     }
 
@@ -233,6 +239,7 @@ impl Kernels {
             }
         }
         let chain = self.evaluate_hinges(model, memory, y);
+        self.push_by_hinges();
         if let Some(ends) = &model.ends {
             self.chain.forget_open_hinges(ends);
         }

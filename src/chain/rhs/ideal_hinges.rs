@@ -1,0 +1,350 @@
+//! Ideal hinges: joints without clearance, whose forces are the multipliers of their constraints.
+//!
+//! Hinge k holds the front of link k on the rear of link k + 1: g = 0 for the offset g of the two points, which gives G v = 0 for the
+//! velocities and G a + c = 0 for the accelerations. The forces are unknowns:
+//!
+//! - An evaluation of the implicit corrector takes the forces of the evaluation before. Its accelerations a lack G a + c. Newton's method
+//!   corrects velocities and forces together; its matrix is that of hinges with clearance, with zero compliance.
+//! - Any other evaluation solves for the forces by the same matrix with γ = 0, in which only inertias are left.
+//!
+//! At the end of each step positions and velocities are projected onto the constraints by the least change, weighted by the last matrix.
+
+use pulp::{Simd, WithSimd};
+
+use super::Kernels;
+use super::chain::WriteDirections;
+use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::model::Model;
+use crate::math::simd::{Numbers, WIDTH, padded_zeros};
+
+/// Forces of the ideal hinges of a chain, and scratch for their constraints.
+#[derive(Debug, Clone)]
+pub(crate) struct IdealHinges {
+    /// Force on the front of every link at the last evaluation or correction, x and y \[N\]; the rear of the next link has the opposite one.
+    pub(crate) force: [Vec<f64>; 2],
+    /// Force at the end of the last step, with which the next step begins.
+    step_end: [Vec<f64>; 2],
+    /// Whether evaluations take the forces as given; otherwise they solve for them.
+    pub(super) takes_forces: bool,
+    /// γ of the factors of the implicit corrector.
+    pub(super) gamma: f64,
+    /// G a + c at the last evaluation \[m/s²\].
+    open: [Numbers; 2],
+    /// Scratch: right-hand sides of the constraints.
+    lack: [Numbers; 2],
+    /// Scratch: directions of the links, cosines and sines.
+    direction: [Numbers; 2],
+    /// Scratch: fronts, x and y, and rears; a copy of the first rear follows the last.
+    ends: [Numbers; 4],
+    /// Scratch: residual or correction of all coordinates.
+    change: Vec<f64>,
+    /// Residual of the velocities with the corrected forces.
+    pub(super) residual: Vec<f64>,
+}
+
+impl IdealHinges {
+    /// Return the ideal hinges of `model`; none where its hinges have clearance.
+    pub(super) fn of(model: &Model) -> Option<Self> {
+        let n = model.links;
+        let zeros = || [vec![0.0; n], vec![0.0; n]];
+        let padded = || [padded_zeros(n), padded_zeros(n)];
+        model.hinges.ideal.then(|| Self {
+            force: zeros(),
+            step_end: zeros(),
+            takes_forces: false,
+            gamma: 0.0,
+            open: padded(),
+            lack: padded(),
+            direction: [padded_zeros(n + WIDTH), padded_zeros(n + WIDTH)],
+            ends: [(); 4].map(|()| padded_zeros(n + WIDTH)),
+            change: vec![0.0; model.coordinates],
+            residual: vec![0.0; model.coordinates],
+        })
+    }
+
+    /// Return the forces at the end of the last step, which belong to the state of a run.
+    pub(crate) fn step_end(&self) -> &[Vec<f64>; 2] {
+        &self.step_end
+    }
+
+    /// Begin from these forces.
+    pub(crate) fn begin_from(&mut self, forces: &[Vec<f64>; 2]) {
+        self.force.clone_from(forces);
+        self.step_end.clone_from(forces);
+    }
+
+    /// Begin a step: evaluations outside of the steps may have changed the forces.
+    pub(crate) fn begin_step(&mut self) {
+        let Self {
+            force, step_end, ..
+        } = self;
+        for (force, kept) in force.iter_mut().zip(step_end) {
+            force.copy_from_slice(kept);
+        }
+    }
+
+    /// Keep the forces at the end of a step.
+    fn end_step(&mut self) {
+        let Self {
+            force, step_end, ..
+        } = self;
+        for (kept, force) in step_end.iter_mut().zip(force) {
+            kept.copy_from_slice(force);
+        }
+    }
+
+    /// Add the forces to the links, which have none yet, and write their magnitudes.
+    fn push(&self, chain: &mut ChainArrays) {
+        let [force_x, force_y] = &self.force;
+        let n = force_x.len();
+        for (axis, force) in [force_x, force_y].into_iter().enumerate() {
+            chain.front_force[axis][..n].copy_from_slice(force);
+            let rear = &mut chain.rear_force[axis][FIRST + 1..][..n];
+            for (rear, force) in rear.iter_mut().zip(force) {
+                *rear = -force;
+            }
+        }
+        let magnitudes = chain.force[..n].iter_mut().zip(force_x).zip(force_y);
+        for ((magnitude, x), y) in magnitudes {
+            *magnitude = (x * x + y * y).sqrt();
+        }
+    }
+
+    /// Correct the forces by `change`, those on fronts with opposite sign, over `gamma`.
+    fn correct_forces(&mut self, change: [&[f64]; 2], gamma: f64) {
+        for (force, change) in self.force.iter_mut().zip(change) {
+            for (force, change) in force.iter_mut().zip(change) {
+                *force -= change / gamma;
+            }
+        }
+    }
+}
+
+/// Kernel that writes the offset of the two ends at each hinge, front minus rear, or its first or second derivative: plain loops that the
+/// compiler vectorizes for the instruction set.
+///
+/// An end at r from the centre of its link has x + t × r - s r, with t the derivative of the angle and the factor s.
+struct WriteOpen<'a, F: Fn(usize) -> f64> {
+    /// x and y of the links, and t.
+    of_links: [&'a [f64]; 3],
+    /// s: squared angular velocities for accelerations, 0 for velocities, -1 for positions.
+    factor: F,
+    direction: [&'a [f64]; 2],
+    arm: &'a [f64],
+    ends: &'a mut [Numbers; 4],
+    open: &'a mut [Numbers; 2],
+}
+
+impl<F: Fn(usize) -> f64> WithSimd for WriteOpen<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let [x, y, turn] = self.of_links;
+        let n = x.len();
+        let (y, turn, arm) = (&y[..n], &turn[..n], &self.arm[..n]);
+        let [cos, sin] = self.direction.map(|of| &of[..n]);
+        let [front_x, front_y, rear_x, rear_y] = self.ends;
+        {
+            let (front_x, front_y) = (&mut front_x[..n], &mut front_y[..n]);
+            let (rear_x, rear_y) = (&mut rear_x[..n], &mut rear_y[..n]);
+            for k in 0..n {
+                let (u, v) = (arm[k] * cos[k], arm[k] * sin[k]);
+                let factor = (self.factor)(k);
+                let (dx, dy) = (-turn[k] * v - factor * u, turn[k] * u - factor * v);
+                (front_x[k], front_y[k]) = (x[k] + dx, y[k] + dy);
+                (rear_x[k], rear_y[k]) = (x[k] - dx, y[k] - dy);
+            }
+        }
+        (rear_x[n], rear_y[n]) = (rear_x[0], rear_y[0]);
+        let [open_x, open_y] = self.open;
+        let (open_x, open_y) = (&mut open_x[..n], &mut open_y[..n]);
+        let (front_x, front_y) = (&front_x[..n], &front_y[..n]);
+        let (rear_x, rear_y) = (&rear_x[1..=n], &rear_y[1..=n]);
+        for k in 0..n {
+            open_x[k] = front_x[k] - rear_x[k];
+            open_y[k] = front_y[k] - rear_y[k];
+        }
+    }
+}
+
+/// Kernel of the residual of the velocities with the corrected forces: `residual` minus the accelerations by `change`.
+struct TakeForces<'a> {
+    residual: &'a mut [f64],
+    change: [&'a [f64]; 2],
+    direction: [&'a [f64]; 2],
+    constants: &'a LinkConstants,
+}
+
+impl WithSimd for TakeForces<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let [cos, sin] = self.direction;
+        let [change_x, change_y] = self.change;
+        let n = change_x.len();
+        let (x, rest) = self.residual.split_at_mut(n);
+        let (y, rest) = rest.split_at_mut(n);
+        let turn = &mut rest[..n];
+        let LinkConstants {
+            front_arm,
+            inverse_mass,
+            inverse_inertia,
+            ..
+        } = self.constants;
+        for k in 0..n {
+            let before = if k == 0 { n - 1 } else { k - 1 };
+            let (fx, fy) = (change_x[k], change_y[k]);
+            let (rx, ry) = (change_x[before], change_y[before]);
+            x[k] -= inverse_mass[k] * (fx - rx);
+            y[k] -= inverse_mass[k] * (fy - ry);
+            let lever = front_arm[k] * (cos[k] * (fy + ry) - sin[k] * (fx + rx));
+            turn[k] -= inverse_inertia[k] * lever;
+        }
+    }
+}
+
+impl Kernels {
+    /// Begin from the forces of ideal hinges at the end of the last step of `steps`.
+    pub(crate) fn begin_hinge_forces_of(&mut self, steps: &Self) {
+        if let (Some(own), Some(of_steps)) = (&mut self.ideal, &steps.ideal) {
+            own.begin_from(&of_steps.step_end);
+        }
+    }
+
+    /// Add the forces of ideal hinges to the links.
+    pub(super) fn push_by_hinges(&mut self) {
+        if let Some(ideal) = &self.ideal {
+            ideal.push(&mut self.chain);
+        }
+    }
+
+    /// Find what the accelerations of an evaluation lack; solve for the forces of the hinges unless they are given.
+    pub(super) fn close_hinges(
+        &mut self,
+        model: &Model,
+        pawls: &[f64],
+        y: &[f64],
+        accelerations: &mut [f64],
+    ) {
+        let Some(mut ideal) = self.ideal.take() else {
+            return;
+        };
+        let n = model.links;
+        let spin = &y[model.coordinates + 2 * n..][..n];
+        self.instructions.run(WriteOpen {
+            of_links: of_links(accelerations, n),
+            factor: |k: usize| spin[k] * spin[k],
+            direction: [&self.chain.cos, &self.chain.sin],
+            arm: &self.links.front_arm,
+            ends: &mut ideal.ends,
+            open: &mut ideal.open,
+        });
+        if !ideal.takes_forces {
+            self.factorise(model, pawls, 0.0, true);
+            if let Some(newton) = &mut self.newton {
+                ideal.change.fill(0.0);
+                newton.correct(
+                    model,
+                    self.instructions,
+                    &mut ideal.change,
+                    Some(&ideal.open),
+                );
+                let change = newton.changes_of_hinge_forces(n);
+                ideal.correct_forces(change, 1.0);
+                for (acceleration, change) in accelerations.iter_mut().zip(&ideal.change) {
+                    *acceleration += change;
+                }
+            }
+        }
+        self.ideal = Some(ideal);
+    }
+
+    /// Overwrite a residual of the velocities with the correction, and correct the forces of ideal hinges with them.
+    pub(super) fn correct_with_hinge_forces(&mut self, model: &Model, residual: &mut [f64]) {
+        let (Some(ideal), Some(newton)) = (&mut self.ideal, &mut self.newton) else {
+            return;
+        };
+        let ideal = &mut **ideal;
+        let n = model.links;
+        let direction = [&self.chain.cos[..n], &self.chain.sin[..n]];
+        // The accelerations of the formula are those of the evaluation less residual/γ.
+        self.instructions.run(WriteOpen {
+            of_links: of_links(residual, n),
+            factor: |_: usize| 0.0,
+            direction,
+            arm: &self.links.front_arm,
+            ends: &mut ideal.ends,
+            open: &mut ideal.lack,
+        });
+        for (lack, open) in ideal.lack.iter_mut().zip(&ideal.open) {
+            for (lack, open) in lack.iter_mut().zip(&**open) {
+                *lack = ideal.gamma * open - *lack;
+            }
+        }
+        ideal.residual.copy_from_slice(residual);
+        newton.correct(model, self.instructions, residual, Some(&ideal.lack));
+        let change = newton.changes_of_hinge_forces(n);
+        self.instructions.run(TakeForces {
+            residual: &mut ideal.residual,
+            change,
+            direction,
+            constants: &self.links,
+        });
+        ideal.correct_forces(change, ideal.gamma);
+    }
+
+    /// Project positions and velocities in `y`, the end of a step, onto the constraints by the last matrix; return the largest offset of
+    /// two ends before \[m\].
+    pub(crate) fn project_hinges(&mut self, model: &Model, y: &mut [f64]) -> f64 {
+        let (Some(ideal), Some(newton)) = (&mut self.ideal, &mut self.newton) else {
+            return 0.0;
+        };
+        let ideal = &mut **ideal;
+        let n = model.links;
+        let (q, v) = y.split_at_mut(model.coordinates);
+        let v = &mut v[..model.coordinates];
+        let [cos, sin] = &mut ideal.direction;
+        let angle = &q[2 * n..3 * n];
+        self.instructions.run(WriteDirections { angle, cos, sin });
+        let direction = [&ideal.direction[0][..n], &ideal.direction[1][..n]];
+        let mut worst = 0.0f64;
+        ideal.change.fill(0.0);
+        for (is_position, coordinates) in [(true, q), (false, v)] {
+            let [x, y, turn] = of_links(coordinates, n);
+            // At positions the ends are at x + r: the change is zero, and so is its turn.
+            let zeros = &ideal.change[..n];
+            let factor = if is_position { -1.0 } else { 0.0 };
+            self.instructions.run(WriteOpen {
+                of_links: [x, y, if is_position { zeros } else { turn }],
+                factor: |_: usize| factor,
+                direction,
+                arm: &self.links.front_arm,
+                ends: &mut ideal.ends,
+                open: &mut ideal.lack,
+            });
+            if is_position {
+                let all = ideal.lack.iter().flat_map(|lack| lack[..n].iter());
+                worst = all.fold(0.0, |worst, lack| lack.abs().max(worst));
+            }
+            newton.correct(
+                model,
+                self.instructions,
+                &mut ideal.change,
+                Some(&ideal.lack),
+            );
+            for (coordinate, change) in coordinates.iter_mut().zip(&ideal.change) {
+                *coordinate += change;
+            }
+            ideal.change.fill(0.0);
+        }
+        ideal.end_step();
+        worst
+    }
+}
+
+/// Return x, y and angle of the links among all coordinates.
+fn of_links(coordinates: &[f64], links: usize) -> [&[f64]; 3] {
+    [0, 1, 2].map(|axis| &coordinates[axis * links..(axis + 1) * links])
+}
