@@ -31,7 +31,6 @@ __all__ = [
     "film_forces",
     "fmu_scene",
     "guide_outline",
-    "ideal_core",
     "instruction_set",
     "integrate",
     "law_force",
@@ -73,7 +72,7 @@ def layout(drive: ChainDrive) -> dict[str, Any]:
 def static_start(scene: Scene) -> dict[str, Any]:
     """Return positions, velocities and surfaces of a drive at rest, and how well it rests.
 
-    A surface is (bushing, sprocket, surface), of ideal hinges (contact, side, piece), each from 0.
+    A surface is (bushing, sprocket, surface), each from 0.
     """
 
 def mechanism_static_start(description: Mechanism) -> dict[str, Any]:
@@ -314,10 +313,3 @@ def mechanism_case(
 ) -> Case:
     """Return a mechanism and what to record of it, for an `Ensemble`."""
 
-def ideal_core(
-    scene: Scene,
-    positions: _Array | None,
-    velocities: _Array | None,
-    surfaces: Sequence[tuple[int, int, int]] = ...,
-) -> tuple[Core, str | None]:
-    """Return the run of a drive with ideal hinges, and a warning of its start."""

@@ -45,7 +45,7 @@ pub enum HingeKind {
     /// Pins with clearance in their bushings.
     #[default]
     Clearance,
-    /// Revolute joints: the drive runs as a mechanism.
+    /// Joints without clearance.
     Ideal,
 }
 
@@ -171,6 +171,7 @@ impl Drive {
         for (name, value) in [("x", self.gravity.x), ("y", self.gravity.y)] {
             check::finite(&format!("ChainDrive.gravity ({name})"), value, "m/s^2")?;
         }
+        self.check_ideal_hinges()?;
         self.check_loads()?;
         for guide in &self.guides {
             guide.validate()?;
@@ -197,6 +198,28 @@ impl Drive {
                     "its sprocket has bearing=\"floating\"; a tensioner moves one with bearing=\"fixed\"",
                 ));
             }
+        }
+        Ok(())
+    }
+
+    /// Return an error for parts that need hinges with clearance.
+    fn check_ideal_hinges(&self) -> Result<()> {
+        if self.hinge_kind != HingeKind::Ideal {
+            return Ok(());
+        }
+        if self.ends.is_some() {
+            return Err(Error::invalid(
+                "ChainDrive.hinges",
+                "\"ideal\"",
+                "an open chain has clearance in its hinges: take hinges=\"clearance\"",
+            ));
+        }
+        if let Some(stiffness) = self.chain.axial_stiffness() {
+            return Err(Error::invalid(
+                "Chain.link_stiffness",
+                format!("{stiffness} N/m in all"),
+                "must be None with ideal hinges, whose links are rigid, or take hinges=\"clearance\"",
+            ));
         }
         Ok(())
     }

@@ -9,7 +9,6 @@
 //!
 //! Bodies are in the order of the drive, so rows of both agree. An arm, which is not a body of the drive, comes last.
 
-pub(crate) mod channels;
 pub(crate) mod tensioner;
 
 use super::description::body::Frame;
@@ -254,8 +253,7 @@ fn refuse(what: impl Into<String>) -> Result<()> {
 fn check_chain(drive: &Drive) -> Result<()> {
     if drive.chain.roller.is_some() {
         return refuse(
-            "Chain.roller: a mechanism has no rollers as bodies; give it a chain with rollers='fixed', or run the drive itself \
-             with hinges='clearance'",
+            "Chain.roller: a mechanism has no rollers as bodies; give it a chain with rollers='fixed', or run the drive itself",
         );
     }
     if drive.ends.is_some() {
@@ -270,13 +268,13 @@ fn check_chain(drive: &Drive) -> Result<()> {
 fn check_parts(drive: &Drive) -> Result<()> {
     if !drive.guides.is_empty() {
         return refuse(format!(
-            "ChainDrive.guides: {} of them; expected none with ideal hinges and in a mechanism; leave them out",
+            "ChainDrive.guides: {} of them; expected none in a mechanism; leave them out, or run the drive itself",
             drive.guides.len()
         ));
     }
     if let Some(stiffness) = drive.chain.axial_stiffness() {
         return refuse(format!(
-            "Chain.link_stiffness, {stiffness} N/m in all: must be None with ideal hinges and in a mechanism, whose links are rigid"
+            "Chain.link_stiffness, {stiffness} N/m in all: must be None in a mechanism, whose links are rigid"
         ));
     }
     for (number, sprocket) in drive.sprockets.iter().enumerate() {
@@ -284,7 +282,7 @@ fn check_parts(drive: &Drive) -> Result<()> {
             return Err(Error::invalid(
                 format!("ChainDrive.sprockets.{}.eccentricity", number + 1),
                 sprocket.faults.eccentricity,
-                "must be 0 with ideal hinges and in a mechanism, whose teeth are concentric",
+                "must be 0 in a mechanism, whose teeth are concentric",
             ));
         }
     }
@@ -293,7 +291,7 @@ fn check_parts(drive: &Drive) -> Result<()> {
         if tensioner.ratchet.is_some() || leak.is_some_and(|back| back != tensioner.damping) {
             return refuse(
                 "Tensioner: a ratchet or a leak do not go into a mechanism: leave ratchet out, and damping_back as damping, or \
-                 take hinges='clearance'",
+                 run the drive itself",
             );
         }
     }

@@ -31,11 +31,6 @@ pub(crate) enum MechanismInput {
     },
     /// Torque of a force element.
     Torque { force: usize, signal: Signal },
-    /// Components of an applied force.
-    Force {
-        force: usize,
-        components: [Signal; 2],
-    },
 }
 
 impl MechanismInput {
@@ -44,7 +39,6 @@ impl MechanismInput {
         match self {
             Self::Speed { equation, .. } => (InputQuantity::Speed, *equation),
             Self::Torque { force, .. } => (InputQuantity::Torque, *force),
-            Self::Force { force, .. } => (InputQuantity::TensionerForce, *force),
         }
     }
 }
@@ -167,13 +161,6 @@ impl MechanismModel {
                 };
                 std::mem::swap(present, signal);
             }
-            MechanismInput::Force { force, components } => {
-                let ForceKind::Force { x, y, .. } = &mut self.forces.get_mut(*force)?.kind else {
-                    return None;
-                };
-                std::mem::swap(x, &mut components[0]);
-                std::mem::swap(y, &mut components[1]);
-            }
         }
         Some(())
     }
@@ -209,31 +196,6 @@ impl MechanismDynamics {
             Some(input) => self.apply(name, input, t, adams),
             None => Ok(false),
         }
-    }
-
-    /// Change the components of the applied force `name` from time `t` \[s\] on, as [`Self::set_input`].
-    ///
-    /// # Errors
-    /// If there is no such force.
-    pub(crate) fn set_force(
-        &mut self,
-        name: &str,
-        components: [Signal; 2],
-        t: f64,
-        adams: &mut Adams,
-    ) -> Result<bool> {
-        let mut forces = self.model.forces.iter().enumerate();
-        let found = forces.find_map(|(number, force)| match &force.kind {
-            ForceKind::Force { x, y, .. } if force.name == name => Some((number, [x, y])),
-            _ => None,
-        });
-        let Some((force, present)) = found else {
-            return Err(unknown("force", name, std::iter::empty()));
-        };
-        if present == components.each_ref() {
-            return Ok(false);
-        }
-        self.apply(name, MechanismInput::Force { force, components }, t, adams)
     }
 
     /// Change what `input` replaces, of the part `name`, from time `t` \[s\] on.

@@ -199,11 +199,6 @@ impl MechanismModel {
         self.joints.iter().map(|j| j.name.clone()).collect()
     }
 
-    /// Return the names of the force elements.
-    pub(crate) fn force_names(&self) -> impl Iterator<Item = &str> {
-        self.forces.iter().map(|force| force.name.as_str())
-    }
-
     /// Return the names of the contacts.
     #[must_use]
     pub fn contact_names(&self) -> &[String] {

@@ -131,19 +131,6 @@ impl MechanismDynamics {
         })
     }
 
-    /// Return the rate of each constraint at the last evaluation for these velocities; zero for drivers.
-    pub(crate) fn joint_rates(&self, velocities: &[f64]) -> Vec<f64> {
-        let mut rates = vec![0.0; self.constraints.rows.len()];
-        self.constraints
-            .write_product(&self.model, velocities, &mut rates);
-        for (rate, equation) in rates.iter_mut().zip(&self.model.equations) {
-            if equation.motion.is_some() {
-                *rate = 0.0;
-            }
-        }
-        rates
-    }
-
     /// Project positions near the last evaluation onto the constraints; return whether the remaining residual is accepted.
     ///
     /// The change is that of the matrix of the last step, in which contacts are stiff.

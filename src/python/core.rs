@@ -1,4 +1,4 @@
-//! Simulation object for Python, of a chain drive with clearance or with ideal hinges, or of a mechanism.
+//! Simulation object for Python, of a chain drive or of a mechanism.
 
 use std::sync::Arc;
 
@@ -11,7 +11,6 @@ use super::describe;
 use super::evaluation::{
     assembly, drive_evaluation, mechanism_evaluation, set_contact_memory, statistics,
 };
-use super::ideal_core::ideal_evaluation;
 use super::mechanism_callable::{Raised, take};
 use super::starts::{DriveScene, budget, describe_tooth_jumps, input};
 use crate::chain::contact::ToothJump;
@@ -99,7 +98,7 @@ impl Core {
     /// Return the result of the assembly of a mechanism.
     fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let mechanism = self.simulation.mechanism().ok_or_else(|| {
-            let value = "of a chain drive with clearance";
+            let value = "of a chain drive";
             Error::invalid("simulation", value, "expected one of a mechanism")
         })?;
         assembly(py, mechanism.assembly())
@@ -156,10 +155,6 @@ impl Core {
                 }
                 drive_evaluation(py, &simulation.evaluate_elsewhere(places, speeds, time))
             }
-            AnySimulation::Ideal(simulation) => {
-                let row = simulation.evaluate_elsewhere(positions, velocities, time)?;
-                ideal_evaluation(py, simulation, &row)
-            }
             AnySimulation::Mechanism(simulation) => {
                 let row = simulation.evaluate_elsewhere(places, speeds, time);
                 take(&self.raised)?;
@@ -181,10 +176,6 @@ impl Core {
         match &mut self.simulation {
             AnySimulation::Drive(simulation) => {
                 let groups = describe::drive_groups(&groups.unwrap_or_default(), energy);
-                simulation.start_recording(duration, report_step, groups);
-            }
-            AnySimulation::Ideal(simulation) => {
-                let groups = describe::ideal_groups(&groups.unwrap_or_default(), energy);
                 simulation.start_recording(duration, report_step, groups);
             }
             AnySimulation::Mechanism(simulation) => {
@@ -213,11 +204,6 @@ impl Core {
 
     /// Return the last row of a channel, flat.
     fn last_row<'py>(&self, py: Python<'py>, name: &str) -> Option<Bound<'py, PyArray1<f64>>> {
-        if let AnySimulation::Ideal(simulation) = &self.simulation
-            && let Some(row) = simulation.last_row(name)
-        {
-            return Some(row.into_pyarray(py));
-        }
         last_row(py, self.simulation.recording()?, name)
     }
 
@@ -232,9 +218,6 @@ impl Core {
         let (quantity, signal) = input(quantity, value)?;
         let outcome = match &mut self.simulation {
             AnySimulation::Drive(simulation) => {
-                simulation.set_input(part.extract::<usize>()?.wrapping_sub(1), quantity, signal)
-            }
-            AnySimulation::Ideal(simulation) => {
                 simulation.set_input(part.extract::<usize>()?.wrapping_sub(1), quantity, signal)
             }
             AnySimulation::Mechanism(simulation) => {

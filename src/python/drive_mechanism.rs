@@ -29,12 +29,6 @@ pub(super) fn drive_contacts(
     })
 }
 
-/// Return the contacts of the mechanism that a drive with ideal hinges runs as: those of bushings on teeth.
-pub(super) fn ideal_contacts(scene: &Bound<'_, PyAny>) -> PyResult<DriveContacts> {
-    let law = describe::law_or_common(scene, "tooth_law")?;
-    drive_contacts(&law, &scene.getattr("min_impact_velocity")?)
-}
-
 /// Return the calls (method of `Mechanism`, keyword arguments) that describe the mechanism of a drive. A contact has its `length` in the
 /// place of its law, and the sprocket's number, from 0, in the place of sprocket and chain.
 #[pyfunction]

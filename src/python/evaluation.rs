@@ -8,7 +8,6 @@ use super::arrays::{recorded, table};
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::Model;
 use crate::multibody::Assembly;
-use crate::multibody::from_drive::channels::BushingContact;
 use crate::run::simulation::Statistics;
 use crate::system::Recording;
 
@@ -127,12 +126,25 @@ fn put_joints(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
     Ok(())
 }
 
+/// Contact of a bushing with a sprocket.
+struct BushingContact {
+    /// Magnitude of the contact force \[N\]; zero without contact.
+    force: f64,
+    /// Contact force on the bushing \[N\].
+    vector: [f64; 2],
+    /// Penetration \[m\]; minus infinity out of reach of the teeth.
+    penetration: f64,
+    /// Number of the tooth gap, from 0; -1 out of reach.
+    gap: i32,
+    /// Region of the tooth, from 1; 0 out of reach.
+    region: i32,
+}
+
 /// Add the contacts of bushings with teeth, (links, sprockets) each.
 fn put_teeth(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
     let (model, teeth) = (dynamics.model(), &dynamics.evaluated.teeth);
     let contact = |pair: usize| {
         let apart = BushingContact {
-            sprocket: pair / model.links,
             force: 0.0,
             vector: [0.0; 2],
             penetration: teeth.penetration[pair],
@@ -148,21 +160,12 @@ fn put_teeth(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
             vector: [0, 1].map(|axis| teeth.on_bushing[axis][pair]),
             #[allow(clippy::cast_possible_wrap)] // gaps are few
             gap: teeth.gap[pair] as i32,
-            region: i32::from(teeth.region(&model.sprockets[apart.sprocket].profile, pair)),
+            region: i32::from(teeth.region(&model.sprockets[pair / model.links].profile, pair)),
             ..apart
         }
     };
     let shape = [model.links, model.sprockets.len()];
-    put_bushing_contacts(found, shape, &by_bushing(model, contact))
-}
-
-/// Add contacts of bushings with teeth in the order of an array of this shape, (links, sprockets).
-pub(super) fn put_bushing_contacts(
-    found: &Bound<'_, PyDict>,
-    shape: [usize; 2],
-    contacts: &[BushingContact],
-) -> PyResult<()> {
-    let py = found.py();
+    let (py, contacts) = (found.py(), by_bushing(model, contact));
     let real = |value: fn(&BushingContact) -> f64| {
         let values: Vec<f64> = contacts.iter().map(value).collect();
         values.into_pyarray(py).reshape(shape)

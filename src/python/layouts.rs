@@ -5,13 +5,12 @@ use pyo3::types::PyDict;
 
 use super::arrays::table;
 use super::describe;
-use super::drive_mechanism::ideal_contacts;
 use super::errors::InvalidInput;
 use super::interrupt::interruptible;
 use super::mechanism::mechanism;
 use super::mechanism_callable::{Raised, take};
 use super::starts::{drive_of, generated};
-use crate::drive::{BeltLine, Drive, HingeKind, MOST_LINKS, check_links};
+use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
 use crate::error::{Error, check};
 use crate::geometry::Vec2;
 use crate::geometry::ansi_outside_radius;
@@ -76,12 +75,8 @@ pub(super) fn static_start<'py>(scene: &Bound<'py, PyAny>) -> PyResult<Bound<'py
     let py = scene.py();
     let description = drive_of(scene)?;
     let laws = describe::force_laws(scene)?;
-    let ideal = (description.hinge_kind == HingeKind::Ideal)
-        .then(|| ideal_contacts(scene))
-        .transpose()?;
-    let rest = interruptible(py, |give_up| match &ideal {
-        Some(contacts) => Equilibrium::of_ideal_drive(&description, contacts, give_up),
-        None => Equilibrium::find_unless(&description, &laws, give_up),
+    let rest = interruptible(py, |give_up| {
+        Equilibrium::find_unless(&description, &laws, give_up)
     })?;
     rest_values(py, rest?)
 }

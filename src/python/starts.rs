@@ -7,11 +7,12 @@ use pyo3::prelude::*;
 
 use super::arrays::rows;
 use super::describe;
+use super::errors::InvalidInput;
 use super::interrupt::interruptible;
 use super::mechanism_callable::Raised;
 use crate::chain::contact::ToothJump;
 use crate::chain::model::ForceLaws;
-use crate::drive::{Drive, InputQuantity};
+use crate::drive::{Drive, HingeKind, InputQuantity};
 use crate::error::Error;
 use crate::integrator::StepControl;
 use crate::layout::{InitialConfiguration, Layout};
@@ -61,6 +62,9 @@ impl DriveScene {
     /// Read a `Scene` that has a drive.
     pub(super) fn new(scene: &Bound<'_, PyAny>, place: StartArguments<'_, '_>) -> PyResult<Self> {
         let drive = drive_of(scene)?;
+        if drive.hinge_kind == HingeKind::Ideal {
+            check_ideal_hinge_law(scene)?;
+        }
         Ok(Self {
             laws: describe::force_laws(scene)?,
             control: describe::solver(&scene.getattr("solver")?)?,
@@ -76,6 +80,38 @@ impl DriveScene {
             None => Ok(generated(py, &self.drive)?.0),
         }
     }
+}
+
+/// Reject friction, film and a separate force law of hinges: ideal hinges have no contact.
+fn check_ideal_hinge_law(scene: &Bound<'_, PyAny>) -> PyResult<()> {
+    let (force_law, hinge_law) = (
+        scene.getattr("force_law")?,
+        describe::law_of(scene, "hinge_law")?,
+    );
+    let law = hinge_law.as_ref().unwrap_or(&force_law);
+    for (field, remedy) in [
+        ("friction", "give that of the teeth in tooth_law, or take"),
+        ("film", "take"),
+    ] {
+        let value = law.getattr_opt(field)?.filter(|value| !value.is_none());
+        if let Some(value) = value {
+            let message = format!(
+                "{field} = {}: must be None with ChainDrive.hinges = 'ideal', whose hinges have no contact; {remedy} \
+                 hinges = 'clearance'",
+                value.repr()?
+            );
+            return Err(InvalidInput::new_err(message));
+        }
+    }
+    if let Some(law) = hinge_law
+        && law.ne(force_law)?
+    {
+        return Err(InvalidInput::new_err(format!(
+            "hinge_law = {}: must be None with ChainDrive.hinges = 'ideal', whose hinges have no contact; it is for 'clearance'",
+            law.repr()?
+        )));
+    }
+    Ok(())
 }
 
 /// Generate the initial configuration and the layout of a drive; Ctrl-C ends the search.

@@ -2,20 +2,17 @@
 
 use std::time::Duration;
 
-use super::ideal_drive::IdealDrive;
 use super::mechanism::MechanismSimulation;
 use super::simulation::{Simulation, Statistics};
 use crate::error::Result;
 use crate::system::Recording;
 
-/// Run of a chain drive, with clearance in its hinges or with ideal ones, or of a mechanism.
+/// Run of a chain drive or of a mechanism.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant)] // one value a run
 pub enum AnySimulation {
     /// Run of a chain drive.
     Drive(Simulation),
-    /// Run of a drive with ideal hinges.
-    Ideal(IdealDrive),
     /// Run of a mechanism.
     Mechanism(MechanismSimulation),
 }
@@ -25,7 +22,6 @@ macro_rules! of_any {
     ($any:expr, $simulation:ident => $result:expr) => {
         match $any {
             AnySimulation::Drive($simulation) => $result,
-            AnySimulation::Ideal($simulation) => $result,
             AnySimulation::Mechanism($simulation) => $result,
         }
     };
@@ -43,7 +39,6 @@ impl AnySimulation {
     pub fn body_names(&self) -> Vec<String> {
         match self {
             Self::Drive(simulation) => simulation.model().body_names(),
-            Self::Ideal(simulation) => simulation.body_names(),
             Self::Mechanism(simulation) => simulation.model().body_names(),
         }
     }
@@ -52,7 +47,6 @@ impl AnySimulation {
     pub fn positions(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().positions(),
-            Self::Ideal(simulation) => simulation.motion(false),
             Self::Mechanism(simulation) => simulation.motion(false),
         }
     }
@@ -61,17 +55,15 @@ impl AnySimulation {
     pub fn velocities(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().velocities(),
-            Self::Ideal(simulation) => simulation.motion(true),
             Self::Mechanism(simulation) => simulation.motion(true),
         }
     }
 
-    /// Return the run of the mechanism that this is or runs as; none of a drive with clearance.
+    /// Return the run of the mechanism; none of a drive.
     #[must_use]
     pub fn mechanism(&self) -> Option<&MechanismSimulation> {
         match self {
             Self::Drive(_) => None,
-            Self::Ideal(simulation) => Some(simulation),
             Self::Mechanism(simulation) => Some(simulation),
         }
     }

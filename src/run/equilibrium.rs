@@ -17,7 +17,7 @@ use crate::chain::model::{ForceLaws, Model};
 use crate::drive::Drive;
 use crate::error::{Error, Result};
 use crate::layout::{InitialConfiguration, Layout};
-use crate::multibody::{DriveContacts, Mechanism, MechanismModel};
+use crate::multibody::{Mechanism, MechanismModel};
 use held_drive::{held, lay_taut};
 use resting_drive::RestingDrive;
 use resting_mechanism::RestingMechanism;
@@ -72,31 +72,6 @@ impl Equilibrium {
         let settled = rest("drive", &mut resting, give_up, causes)?;
         let mut start = moved(drive, (laid, &layout), resting.body_positions())?;
         resting.move_along_contacts(&mut start);
-        start.surfaces = resting.dynamics.stored_surfaces();
-        Ok(Self::of(start, &settled))
-    }
-
-    /// Find the static equilibrium of `drive` with ideal hinges, from its generated configuration; `give_up` as of
-    /// [`Self::find_unless`].
-    ///
-    /// # Errors
-    /// As of [`Self::find`], or if a part of the drive has no counterpart in a mechanism.
-    pub fn of_ideal_drive(
-        drive: &Drive,
-        contacts: &DriveContacts,
-        give_up: &dyn Fn() -> bool,
-    ) -> Result<Self> {
-        let (laid, layout) = lay_taut(drive, give_up)?;
-        let mechanism =
-            Mechanism::from_drive(&held(drive, &layout), contacts, Some(&still(&laid)))?;
-        let model = MechanismModel::compile(&mechanism)?;
-        let mut resting = RestingMechanism::assemble(model, give_up)?;
-        let causes = |_: &_| refusal::causes(drive, &layout);
-        let settled = rest("drive", &mut resting, give_up, causes)?;
-        let mut positions = resting.dynamics.motion(false);
-        positions.truncate(laid.positions.len());
-        let mut start = moved(drive, (laid, &layout), positions)?;
-        resting.move_along_contacts(&mut start.velocities);
         start.surfaces = resting.dynamics.stored_surfaces();
         Ok(Self::of(start, &settled))
     }

@@ -127,15 +127,6 @@ impl Simulation<MechanismDynamics> {
         Ok(())
     }
 
-    /// Set other components of the applied force `part` \[N\] from the present time on, as [`Self::set_input`].
-    pub(crate) fn set_force(&mut self, part: &str, components: [Signal; 2]) -> Result<()> {
-        let (now, adams) = (self.now, &mut self.adams);
-        if self.system.set_force(part, components, now, adams)? {
-            self.resume();
-        }
-        Ok(())
-    }
-
     /// Return a recording of one row at another state; the run is unchanged. Given values replace the present ones.
     ///
     /// Rows have three numbers per body, without the ground; held bodies keep their positions. The state is used as given, on the

@@ -65,6 +65,6 @@ class Outputs:
         Raises
         ------
         NotRecorded
-            The drive has ideal hinges, or the scene is a mechanism: jumps are not counted.
+            The scene is a mechanism: jumps are not counted.
         """
         return jumps.tooth_jumps(cast("Result", self))

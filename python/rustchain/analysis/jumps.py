@@ -25,7 +25,7 @@ def tooth_jumps(result: Result) -> pd.DataFrame:
     jumps = jumps_within(result)
     if jumps is None:
         msg = (
-            "tooth_jumps: not counted in this run; expected a drive with hinges='clearance', run "
+            "tooth_jumps: not counted in this run; expected a drive, run "
             "or saved by this version"
         )
         raise NotRecorded(msg)

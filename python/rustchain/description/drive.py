@@ -83,9 +83,8 @@ class ChainDrive(Description, HtmlView):
     name : str
         For people to read.
     hinges : {"clearance", "ideal"}
-        Pins with clearance in their bushings, or ideal joints. With ideal joints the drive runs as
-        the mechanism of `to_mechanism`, with the same channels; hinge forces are the joints'
-        reactions.
+        Pins with clearance in their bushings, or joints without clearance. Joints need a closed
+        chain of rigid links, and have neither friction nor film.
     guides : sequence of GuideRail and SmoothIdler
         Rails, blades and smooth idlers. The initial configuration is generated without them: they
         begin beside the chain, blades swung back on their arms.

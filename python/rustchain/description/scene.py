@@ -18,7 +18,7 @@ from rustchain.names import known_keywords
 
 Start = Literal["generated", "static"]
 Rows: TypeAlias = Sequence[Sequence[float]]
-Kind = Literal["clearance", "ideal", "mechanism"]
+Kind = Literal["drive", "mechanism"]
 
 _LAW = LankaraniNikravesh()
 _MIN_IMPACT_VELOCITY = 1e-3  # [m/s]
@@ -67,7 +67,7 @@ class Scene(Description):
     --------
     >>> scene = rc.Scene(rc.paper_drive(25.0), force_law=rc.Johnson(), start="static")
     >>> scene.kind
-    'clearance'
+    'drive'
     """
 
     system: ChainDrive | Mechanism
@@ -107,8 +107,8 @@ class Scene(Description):
 
     @property
     def kind(self) -> Kind:
-        """The kind of system: drive with clearance or ideal hinges, or mechanism."""
-        return self.system.hinges if isinstance(self.system, ChainDrive) else "mechanism"
+        """The kind of system."""
+        return "drive" if isinstance(self.system, ChainDrive) else "mechanism"
 
     @property
     def drive(self) -> ChainDrive:

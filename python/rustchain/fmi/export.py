@@ -52,8 +52,7 @@ def export_fmu(
     Parameters
     ----------
     system : ChainDrive, Scene or Simulation
-        What the FMU simulates, with clearance in its hinges. Of a simulation, the FMU begins with
-        its present state.
+        What the FMU simulates. Of a simulation, the FMU begins with its present state.
     path : str or Path
         File to write, .fmu. Its name is that of the library in it.
     inputs : sequence of str, optional
@@ -71,7 +70,7 @@ def export_fmu(
     Raises
     ------
     InvalidInput
-        There is no such input or output, or the system is a mechanism or has ideal hinges.
+        There is no such input or output, or the system is a mechanism.
     MissingExtra
         The installation has no library for FMUs.
     OSError
@@ -83,10 +82,8 @@ def export_fmu(
         scene = system.scene
     else:
         scene = system if isinstance(system, Scene) else Scene(system)
-    if scene.kind != "clearance":
-        kinds = {"ideal": "a drive with ideal hinges", "mechanism": "a mechanism"}
-        msg = f"system: is {kinds[scene.kind]}; expected a drive with hinges='clearance'"
-        raise InvalidInput(msg)
+    if scene.kind == "mechanism":
+        raise InvalidInput("system: is a mechanism; expected a drive")
     variables = [*chosen_inputs(scene.drive, inputs), *chosen_outputs(scene.drive, outputs)]
     if not variables:
         raise InvalidInput("inputs, outputs: both are empty; expected at least one variable")
@@ -97,7 +94,7 @@ def export_fmu(
         name=scene.name,
         identifier=identifier,
         token=token,
-        description="Chain drive with clearance and compliant contact",
+        description="Chain drive with compliant contact",
         time=values[0],
         variables=variables,
         start=values[1:],

@@ -154,6 +154,6 @@ VARIABLES = {
 }
 
 OF_MECHANISMS = ("joints", "contacts")
-"""Groups of mechanisms and of drives with ideal hinges, which run as mechanisms."""
+"""Groups that mechanisms alone have."""
 OF_DRIVES = ("hinges", "teeth", "sprockets")
 """Groups that drives alone have."""

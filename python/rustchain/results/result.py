@@ -67,9 +67,9 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         Steps, evaluations, onsets of contacts and wall time by phase [s] of this run.
     jumps : tuple of ndarray, optional
         Times [s], sprockets (from 1) and directions of the tooth jumps since the simulation began;
-        see `tooth_jumps`. None where they are not counted: with ``hinges="ideal"``, in mechanisms.
+        see `tooth_jumps`. None in mechanisms, where they are not counted.
     joint_names, contact_names : tuple of str
-        Of mechanisms and of drives with ``hinges="ideal"``, in the order of the arrays.
+        Of mechanisms, in the order of the arrays.
 
     Examples
     --------
@@ -157,7 +157,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
             )
         elif group == "energy":
             msg = "the energy balance was not recorded; pass energy=True to run"
-        elif group in {"clearance": OF_MECHANISMS, "mechanism": OF_DRIVES}.get(self.scene.kind, ()):
+        elif group in {"drive": OF_MECHANISMS, "mechanism": OF_DRIVES}[self.scene.kind]:
             msg = f"{name}: {self.scene.name} has no {group}; it has recorded {self.groups}"
         else:
             msg = f"{group} were not recorded; pass record=(..., {shown(group)}) to run"

@@ -29,7 +29,9 @@ class Hinge(ArrayValue):
     time : ndarray, (times,)
         Report times [s].
     force, penetration : ndarray, (times,)
-        Normal force [N] and penetration [m]; penetration is negative when apart.
+        Normal force [N] and penetration [m]; penetration is negative when apart. Of an ideal
+        hinge, the force that it transmits and the distance of its two ends, which is an error of
+        the integration.
     force_vector : ndarray, (times, 2)
         Force on the pin, friction, film and all [N].
     eccentricity : ndarray, (times, 2)
@@ -65,10 +67,10 @@ class Bushing(ArrayValue):
         Sprocket from 1 (0: none), tooth gap from 0 (-1: none), region of the gap from 1
         (0: none); an ANSI gap has seven, the fourth is the seat.
     tooth_force_vector : ndarray, (times, 2), optional
-        Force on the bushing, friction included [N]. Not with ideal hinges.
+        Force on the bushing, friction included [N].
     tooth_onset_speed : ndarray, (times,), optional
         Initial impact velocity of the present contact [m/s], not below the minimum; 0
-        when apart. Not with ideal hinges.
+        when apart.
     """
 
     time: Array

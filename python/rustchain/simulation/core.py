@@ -11,11 +11,14 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.arguments import plain
 from rustchain.caller import warn_caller
+from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.mechanism.plausibility import implausible_inputs
 from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput
 from rustchain.typing import Array
+
+_FAR = 0.01  # displacement over the pitch that closes ideal hinges without a warning
 
 
 def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
@@ -46,12 +49,20 @@ def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
         for text in (*core.check()["warnings"], *implausible_inputs(scene.system)):
             warn_caller(text)
         return core
-    if scene.kind == "ideal" and "OLD" in __import__("os").environ:
-        ideal, note = _rustchain.ideal_core(scene, **place)
-        if note is not None:
-            warn_caller(note)
-        return ideal
-    return _rustchain.Core(scene, **place)
+    core = _rustchain.Core(scene, **place)
+    if scene.drive.hinges == "ideal" and place["positions"] is not None:
+        _tell_of_moved_links(scene.drive, core.positions - place["positions"])
+    return core
+
+
+def _tell_of_moved_links(drive: ChainDrive, moved: Array) -> None:
+    """Warn where links had to be moved far to close ideal hinges."""
+    farthest = np.hypot(moved[:, 0], moved[:, 1]).max()
+    if farthest > _FAR * drive.chain.pitch:
+        warn_caller(
+            f"positions: links had to be moved by up to {farthest:.3e} m to close the ideal "
+            "hinges: is each link placed where its hinges meet?"
+        )
 
 
 def _array(rows: object) -> Array | None:

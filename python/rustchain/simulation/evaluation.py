@@ -41,15 +41,13 @@ class Evaluation(ArrayValue):
     roller_bristle : ndarray, (rollers,), optional
         Deflection of the bristles, where friction is `LuGre` [m]; zero at positions that are given.
     joint_reaction : ndarray, (joints, 3)
-        Of mechanisms and ideal hinges: force and torque on body b about the joint's point
-        [N, N, N m].
+        Of mechanisms: force and torque on body b about the joint's point [N, N, N m].
     contact_force, contact_penetration : ndarray, (contacts,)
-        Of mechanisms and ideal hinges: normal force [N] and penetration [m].
+        Of mechanisms: normal force [N] and penetration [m].
     contact_force_vector : ndarray, (contacts, 2)
-        Of mechanisms and ideal hinges: force on the circle [N].
+        Of mechanisms: force on the circle [N].
     contact_gap, contact_region : ndarray of int, (contacts,)
-        Of mechanisms and ideal hinges, of circles near teeth: the gap, from 0 (-1: none), and its
-        region. Regions count from 1 along its outline (0: none); an ANSI gap has seven.
+        Of mechanisms, of circles near teeth: the gap, from 0 (-1: none), and its region. Regions count from 1 along its outline (0: none); an ANSI gap has seven.
 
     Examples
     --------

@@ -34,8 +34,7 @@ class _PartForceAbove(StopCondition):
         wanted = getattr(self, self.part)
         if not names:
             other = {"joint": "HingeForceAbove", "contact": "ToothForceAbove"}[self.part]
-            drive = simulation.scene.kind == "clearance"
-            remedy = f"; with clearance hinges take {other}" if drive else ""
+            remedy = f"; take {other}" if simulation.scene.kind == "drive" else ""
             kind, name = type(self).__name__, simulation.scene.name
             msg = f"stop: {kind}: {name} has no {self.part}s{remedy}"
             raise InvalidInput(msg)
@@ -63,8 +62,8 @@ class _PartForceAbove(StopCondition):
 class JointForceAbove(_PartForceAbove):
     """The reaction force of an ideal joint exceeded a limit since the row before.
 
-    For mechanisms, and for drives with ideal hinges, whose joints are ``"hinge_1"`` and so on,
-    ``"bearing_1"`` and ``"motor_1"``, as in `ChainDrive.to_mechanism`.
+    For mechanisms. Those of `ChainDrive.to_mechanism` with ideal hinges have joints such as
+    ``"hinge_1"``, ``"bearing_1"`` and ``"motor_1"``.
 
     Attributes
     ----------
@@ -75,9 +74,9 @@ class JointForceAbove(_PartForceAbove):
 
     Examples
     --------
-    >>> drive = rc.paper_drive(pretension=25.0, hinges="ideal")
+    >>> mechanism = rc.paper_drive(pretension=25.0).to_mechanism(hinges="ideal")
     >>> above = rc.JointForceAbove(5.0, "hinge_6")
-    >>> result = rc.Simulation(drive).run(0.1, stop=[above], progress=False)
+    >>> result = rc.Simulation(mechanism).run(0.1, stop=[above], progress=False)
     >>> result.status
     'stopped'
     """
@@ -92,7 +91,7 @@ class JointForceAbove(_PartForceAbove):
 class ContactForceAbove(_PartForceAbove):
     """The force of a contact or clearance joint exceeded a limit since the row before.
 
-    For mechanisms, and for drives with ideal hinges, whose contacts are such as
+    For mechanisms. Those of `ChainDrive.to_mechanism` have contacts such as
     ``"bushing_6_on_sprocket_1"``.
 
     Attributes
@@ -104,9 +103,9 @@ class ContactForceAbove(_PartForceAbove):
 
     Examples
     --------
-    >>> drive = rc.paper_drive(pretension=25.0, hinges="ideal")
+    >>> mechanism = rc.paper_drive(pretension=25.0).to_mechanism(hinges="ideal")
     >>> above = rc.ContactForceAbove(5.0)
-    >>> result = rc.Simulation(drive).run(0.1, stop=[above], progress=False)
+    >>> result = rc.Simulation(mechanism).run(0.1, stop=[above], progress=False)
     >>> result.status
     'stopped'
     """

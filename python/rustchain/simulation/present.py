@@ -45,12 +45,12 @@ class Present(OfScene):
 
     @property
     def joint_names(self) -> list[str]:
-        """Names of the ideal joints and drivers; none in drives with clearance in their hinges."""
+        """Names of the joints and drivers of a mechanism; none in drives."""
         return self._core.joint_names
 
     @property
     def contact_names(self) -> list[str]:
-        """Names of the contacts of a mechanism, or of a drive with ideal hinges."""
+        """Names of the contacts of a mechanism; none in drives."""
         return self._core.contact_names
 
     @property

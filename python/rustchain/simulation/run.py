@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "joints", "contacts", "energy"]
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    "clearance": ("hinges", "teeth", "sprockets", "bodies", "energy"),
-    "ideal": ("hinges", "teeth", "sprockets", "bodies", "joints", "contacts", "energy"),
+    "drive": ("hinges", "teeth", "sprockets", "bodies", "energy"),
     "mechanism": ("bodies", "joints", "contacts", "energy"),
 }
 """What can be recorded of each kind of scene; by default all but the bodies of a drive."""
@@ -62,16 +61,14 @@ def numbers_of_a_row(simulation: Simulation, groups: Sequence[str], energy: bool
     """Return how many numbers a row of the result has, about."""
     scene, bodies = simulation.scene, len(simulation.body_names)
     joints, contacts = len(simulation.joint_names), len(simulation.contact_names)
-    if scene.kind == "clearance":
+    if scene.kind == "drive":
         return numbers_of_drive_row(scene.drive, groups, energy)
     each = {"bodies": 9 * bodies, "joints": 7 * joints, "contacts": 9 * contacts}
-    if scene.kind == "ideal":  # channels of the drive are made of all of them
-        groups = list(each)
     return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 
 
 def numbers_of_drive_row(drive: ChainDrive, groups: Sequence[str], energy: bool) -> int:
-    """Return how many numbers a row of the result of a drive with clearance has, about."""
+    """Return how many numbers a row of the result of a drive has, about."""
     links, sprockets = drive.hinge_count, len(drive.sprockets)
     rollers = 0 if drive.chain.roller is None else links
     each = {"hinges": 10 * links, "teeth": 9 * links, "sprockets": 5 * sprockets}

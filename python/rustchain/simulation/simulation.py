@@ -232,7 +232,7 @@ class Simulation(Present):
         record : sequence of groups, optional
             What to record: of drives "hinges", "teeth", "sprockets", "bodies" and "energy", by
             default all but the bodies; of mechanisms "bodies", "joints", "contacts" and "energy",
-            by default all. Drives with ideal hinges have "joints" and "contacts", too.
+            by default all.
         energy : bool, optional
             False takes the energy balance out of `record`, True puts it in. The energies of a chain
             are integrated along every step, with further evaluations: the published drive then

@@ -69,12 +69,12 @@ def run_here(
 ) -> Running:
     """Run cases in this process: in the compiled pool, or on threads where it does not run them.
 
-    The pool runs drives with clearance in their hinges, without stop conditions and callbacks.
+    The pool runs drives, without stop conditions and callbacks.
     Cases are measured in this thread.
     """
     count = number_of_threads(threads)
     while portion := list(islice(cases, _PORTION * count)):
-        others = [case for case in portion if looks.any or case.scene.kind != "clearance"]
+        others = [case for case in portion if looks.any or case.scene.kind == "mechanism"]
         if len(others) < len(portion):
             kept = {case.number for case in others}
             for_pool = [case for case in portion if case.number not in kept]

@@ -27,6 +27,8 @@ pub struct Checkpoint {
     tooth_past_range: Option<String>,
     tooth_jumps: ToothJumps,
     jumps_looked_for: u64,
+    /// Forces of ideal hinges at the end of the last step; none where hinges have clearance.
+    hinge_forces: Option<[Vec<f64>; 2]>,
 }
 
 impl Dynamics {
@@ -46,6 +48,7 @@ impl Dynamics {
             tooth_past_range: self.past_ranges.tooth.clone(),
             tooth_jumps: self.events.jumps.clone(),
             jumps_looked_for: self.events.jumps_looked_for,
+            hinge_forces: (self.kernels.ideal.as_ref()).map(|ideal| ideal.step_end().clone()),
         }
     }
 
@@ -99,6 +102,13 @@ impl Dynamics {
             .clone_from(&checkpoint.tooth_past_range);
         dynamics.events.jumps.clone_from(&checkpoint.tooth_jumps);
         dynamics.events.jumps_looked_for = checkpoint.jumps_looked_for;
+        if let Some(ideal) = &mut dynamics.kernels.ideal {
+            let forces = checkpoint.hinge_forces.as_ref()?;
+            if forces.iter().any(|axis| axis.len() != links) {
+                return None;
+            }
+            ideal.begin_from(forces);
+        }
         Some(dynamics)
     }
 }

@@ -11,14 +11,9 @@ impl Dynamics {
     pub fn busiest_contact(&self, body: Option<usize>) -> Option<String> {
         let (model, n) = (&self.model, self.model.links);
         let of = |bodies: &[usize]| body.is_none_or(|body| bodies.contains(&body));
-        let hinges = (0..n)
-            .filter(|&k| body.is_none_or(|body| body >= n) || of(&[k, (k + 1) % n]))
-            .map(|k| {
-                (
-                    self.kernels.hinge_forces(model)[k],
-                    format!("hinge {}", k + 1),
-                )
-            });
+        let hinges = (self.kernels.hinge_forces(model).enumerate())
+            .filter(|&(k, _)| body.is_none_or(|body| body >= n) || of(&[k, (k + 1) % n]))
+            .map(|(k, force)| (force, format!("hinge {}", k + 1)));
         let rollers = (0..model.roller_count())
             .filter(|&k| of(&[n + k, model.link_of_bushing(k)]))
             .map(|k| {
@@ -49,7 +44,12 @@ impl Dynamics {
 
     /// Write the normal force of every hinge at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_hinge_forces(&self, forces: &mut [f64]) {
-        forces.copy_from_slice(self.kernels.hinge_forces(&self.model));
+        for (to, force) in forces
+            .iter_mut()
+            .zip(self.kernels.hinge_forces(&self.model))
+        {
+            *to = force;
+        }
     }
 
     /// Write the normal force of every bushing in its roller at the last evaluation of the right-hand side \[N\].
@@ -92,7 +92,7 @@ impl Dynamics {
     /// Return penetration \[m\] (zero where apart) and normal force \[N\] of every hinge at the last evaluation of the right-hand side.
     pub fn hinge_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
         let (kernels, model) = (&self.kernels, &self.model);
-        let forces = kernels.hinge_forces(model).iter().copied();
+        let forces = kernels.hinge_forces(model);
         kernels.hinge_depths(model).iter().copied().zip(forces)
     }
 

@@ -4,13 +4,23 @@ use std::ops::Range;
 
 use super::Dynamics;
 use crate::integrator::{
-    LENGTH_ERROR_OF_FULL_DEFLECTION, SAFETY_AT_CONTACT_CHANGE, SPEED_PER_LENGTH, SecondOrderSystem,
+    LENGTH_ERROR_OF_FULL_DEFLECTION, OdeSystem, SAFETY_AT_CONTACT_CHANGE, SPEED_PER_LENGTH,
+    SecondOrderSystem,
 };
 
 impl Dynamics {
     /// Allocate the arrays of the implicit corrector.
     pub fn make_room_for_newton(&mut self) {
         self.kernels.make_room_for_newton(&self.model);
+    }
+
+    /// Write the derivative with the slopes for the matrix. Unlike evaluations of the implicit corrector, this one solves for the forces of
+    /// ideal hinges.
+    pub(crate) fn derivative_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.make_room_for_newton();
+        self.kernels.write_slopes(true);
+        self.derivative(t, y, dydt);
+        self.kernels.write_slopes(false);
     }
 
     /// Factorise the matrix of the last evaluation with slopes, M - γ dQ/dv - γ² dQ/dq, which may be indefinite.

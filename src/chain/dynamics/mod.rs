@@ -1,7 +1,7 @@
 //! Equations of motion: contacts -> forces -> accelerations.
 //!
-//! A chain drive has no ideal joints and therefore no constraints: accelerations are forces divided by masses. The only linear system is
-//! that of the implicit corrector.
+//! Accelerations are forces divided by masses, and the only linear system is that of the implicit corrector. Ideal hinges, whose forces
+//! are unknowns, use its factors (chain/rhs/ideal_hinges.rs).
 
 mod bristles;
 mod checkpoint;
@@ -73,6 +73,12 @@ pub struct Dynamics {
     /// Scratch: state inside a step, padded.
     inside: Vec<f64>,
 }
+
+/// Most iterations of Newton's method to close ideal hinges at a start. They converge quadratically.
+const MOST_CLOSINGS: u32 = 50;
+
+/// Distance of the ends of a closed ideal hinge, over half the pitch: iterations go on to rounding, where they stagnate.
+const CLOSED: f64 = 1e-9;
 
 impl Dynamics {
     /// Create the dynamics of `model`.
@@ -158,13 +164,22 @@ impl Dynamics {
             return;
         }
         let mut before = f64::INFINITY;
-        for _ in 0..20 {
+        for _ in 0..MOST_CLOSINGS {
             self.differentiate(t, y);
             let open = self.kernels.project_hinges(&self.model, y);
-            if open >= before {
+            if open < CLOSED * self.model.half_pitch && open >= 0.5 * before {
                 return;
             }
             before = open;
+        }
+    }
+
+    /// Close ideal hinges that a small move has opened, by the last matrix.
+    pub(crate) fn close_ideal_hinges_nearby(&mut self, y: &mut [f64]) {
+        for _ in 0..MOST_CLOSINGS {
+            if self.kernels.project_hinges(&self.model, y) <= CLOSED * self.model.half_pitch {
+                return;
+            }
         }
     }
 

@@ -9,6 +9,8 @@ use crate::layout::InitialConfiguration;
 
 /// Distance of the centres of a hinge or a roller, over half the pitch, above which it counts as open.
 const OPEN: f64 = 0.1;
+/// The same of an ideal hinge, which the start has closed.
+const OPEN_IDEAL: f64 = 1e-9;
 /// Relative deviation of an initial velocity from a prescribed one or a guide path that counts as none: rounding. Prescribed velocities
 /// below 1 m/s or 1 rad/s permit it in these units.
 const VELOCITY_ROUNDING: f64 = 1e-9;
@@ -35,6 +37,21 @@ impl Dynamics {
 /// Check that every pin lies in its bushing; penetration is permitted.
 fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
+    if model.hinges.ideal {
+        let mut distances = dynamics.evaluated.hinges.distances().enumerate();
+        // A number that is none is no closed hinge.
+        let open = distances.find(|(_, apart)| !(*apart <= OPEN_IDEAL * model.half_pitch));
+        return open.map_or(Ok(()), |(k, apart)| {
+            Err(Error::invalid(
+                "positions",
+                format!("{} and {}", model.link_name(k), model.link_name((k + 1) % model.links)),
+                format!(
+                    "ideal hinge {} cannot be closed from here: its ends stay {apart:.3e} m apart; place each link where its hinges meet",
+                    k + 1
+                ),
+            ))
+        });
+    }
     // Open hinges have coincident centres in these arrays: they pass this check.
     let apart = |k: usize| dynamics.evaluated.hinges.penetration[k] + model.hinges.clearance;
     let Some(k) = (0..model.links).find(|&k| apart(k) > OPEN * model.half_pitch) else {

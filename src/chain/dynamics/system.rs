@@ -45,7 +45,8 @@ impl System for Dynamics {
 
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
         self.record_contact_events(adams, step);
-        self.kernels.project_hinges(&self.model, adams.solution_mut());
+        self.kernels
+            .project_hinges(&self.model, adams.solution_mut());
         Ok(())
     }
 
@@ -161,11 +162,13 @@ impl System for Dynamics {
             hinge_film,
         } = powers.losses;
         let mut losses = vec![
-            ("energy_hinge_contact", hinge_contact),
             ("energy_tooth_contact", tooth_contact),
-            ("energy_hinge_friction", hinge_friction),
             ("energy_tooth_friction", tooth_friction),
         ];
+        if !self.model.hinges.ideal {
+            losses.push(("energy_hinge_contact", hinge_contact));
+            losses.push(("energy_hinge_friction", hinge_friction));
+        }
         if self.model.rollers.is_some() {
             losses.push(("energy_roller_contact", roller_contact));
             losses.push(("energy_roller_friction", roller_friction));

@@ -90,7 +90,7 @@ impl Model {
             gravity: drive.gravity,
             strands: strands(drive),
             guides: drive.guides.len(),
-            range_notes: range_notes(laws, &pairs, &sprockets, drive.sprockets.len()),
+            range_notes: range_notes(drive, laws, &pairs, &sprockets),
             sprockets,
         })
     }

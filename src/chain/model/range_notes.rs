@@ -4,23 +4,26 @@ use super::ForceLaws;
 use super::bristles::bristle_warnings;
 use super::compile::SurfacePairs;
 use super::sprocket::SprocketModel;
+use crate::drive::{Drive, HingeKind};
 use crate::force_law::{Elastic, SurfacePair, range_note};
 
-/// Return warnings on laws outside their range of validity, one line for each pair of surfaces; the first `toothed` wheels are
-/// sprockets, the others guides.
+/// Return warnings on laws outside their range of validity in `drive`, one line for each pair of surfaces.
 pub(super) fn range_notes(
+    drive: &Drive,
     laws: &ForceLaws,
     pairs: &SurfacePairs,
     wheels: &[SprocketModel],
-    toothed: usize,
 ) -> Vec<String> {
+    let toothed = drive.sprockets.len();
     let note = |law: Elastic, pair: &SurfacePair, surfaces: &str| {
         let note = range_note(law, pair)?;
         Some(format!("{} law, {surfaces}: {note}", law.name()))
     };
     let mut notes: Vec<String> =
         bristle_warnings([laws.hinge_bristles, laws.tooth_bristles]).collect();
-    notes.extend(note(laws.hinge.elastic, &pairs.hinges, "pin and bushing"));
+    if drive.hinge_kind == HingeKind::Clearance {
+        notes.extend(note(laws.hinge.elastic, &pairs.hinges, "pin and bushing"));
+    }
     notes.extend(pairs.teeth.iter().enumerate().filter_map(|(i, pair)| {
         let surfaces = format!("bushing and {}", surface_name(i, wheels, toothed));
         note(laws.tooth.elastic, pair, &surfaces)

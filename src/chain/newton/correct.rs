@@ -7,7 +7,9 @@ use super::contacts::BASE;
 use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
 use crate::chain::model::Model;
-use crate::math::simd::{EntriesMut, Lanes, Numbers, Pack8, PartialSums, parts, put_part, read, write};
+use crate::math::simd::{
+    EntriesMut, Lanes, Numbers, Pack8, PartialSums, parts, put_part, read, write,
+};
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
 struct ChainResidual<'a> {

@@ -20,7 +20,9 @@ pub(crate) fn channels(model: &Model, groups: Groups) -> Vec<Channel> {
         add("hinge_force_vector", &[n, 2], false);
         add("hinge_penetration", &[n], false);
         add("hinge_eccentricity", &[n, 2], false);
-        add("hinge_onset_speed", &[n], false);
+        if !model.hinges.ideal {
+            add("hinge_onset_speed", &[n], false);
+        }
         add("strand_tension", &[model.strands.len()], false);
         add("peak_hinge_force", &[n], false);
         add("peak_hinge_impulse", &[n], false);

@@ -9,17 +9,23 @@ use crate::geometry::path::belt::Pulley;
 use crate::layout::ChainRow;
 use crate::system::Row;
 
-/// Write force, force vector, penetration, eccentricity and impact velocity of every hinge, and the strand tensions.
+/// Write force, force vector, penetration, eccentricity and impact velocity of every hinge, and the strand tensions. Ideal hinges have
+/// the distance of their ends as penetration, and no impact velocity.
 pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     let hinges = &dynamics.evaluated.hinges;
     row.copy(&hinges.force);
     row.vectors(hinges.forces_on_pins());
-    row.copy(&hinges.penetration);
-    row.vectors(hinges.eccentricities());
-    row.real(onset_speeds(
-        &hinges.penetration,
-        dynamics.memory.hinge_impact_velocity(),
-    ));
+    if dynamics.model().hinges.ideal {
+        row.real(hinges.distances());
+        row.vectors(hinges.eccentricities());
+    } else {
+        row.copy(&hinges.penetration);
+        row.vectors(hinges.eccentricities());
+        row.real(onset_speeds(
+            &hinges.penetration,
+            dynamics.memory.hinge_impact_velocity(),
+        ));
+    }
     row.real(strand_tensions(dynamics));
 }
 

@@ -29,10 +29,7 @@ impl Groups {
         // The elastic energy needs the penetrations of all contacts, the energy stored in bristles their forces.
         Needs {
             hinges: self.hinges || self.energy,
-            teeth: self.teeth
-                || sprocket_loads
-                || self.energy
-                || self.hinges && model.hinges.ideal,
+            teeth: self.teeth || sprocket_loads || self.energy || self.hinges && model.hinges.ideal,
             sprocket_loads,
         }
     }

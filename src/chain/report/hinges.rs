@@ -83,6 +83,14 @@ impl HingeContacts {
     /// Take the forces of ideal hinges on fronts \[N\] in the place of those of contacts.
     pub(crate) fn take_forces(&mut self, on_front: &[Vec<f64>; 2]) {
         self.on_front.clone_from(on_front);
+        for (force, [x, y]) in self.force.iter_mut().zip(pairs(on_front)) {
+            *force = x.hypot(y);
+        }
+    }
+
+    /// Return the distance of the two ends of every hinge \[m\].
+    pub fn distances(&self) -> impl Iterator<Item = f64> {
+        pairs(&self.offset).map(|[x, y]| x.hypot(y))
     }
 
     /// Return the centre of the bushing of hinge `k` \[m\].

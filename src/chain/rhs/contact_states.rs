@@ -45,9 +45,12 @@ impl Kernels {
         rollers.map_or(&[], |rollers| &rollers.arrays.force[..model.links])
     }
 
-    /// Return the normal force of every hinge at the last evaluation \[N\].
-    pub(crate) fn hinge_forces(&self, model: &Model) -> &[f64] {
-        &self.chain.force[..model.links]
+    /// Return the normal force of each hinge at the last evaluation, or the force of each ideal one \[N\].
+    pub(crate) fn hinge_forces(&self, model: &Model) -> impl Iterator<Item = f64> {
+        (0..model.links).map(|k| match &self.ideal {
+            Some(ideal) => ideal.force[0][k].hypot(ideal.force[1][k]),
+            None => self.chain.force[k],
+        })
     }
 
     /// Return sprocket, bushing, penetration \[m\] and normal force \[N\] of every candidate at the last evaluation.

@@ -67,7 +67,7 @@ impl IdealHinges {
         &self.step_end
     }
 
-    /// Begin from these forces.
+    /// Begin from these forces of all hinges.
     pub(crate) fn begin_from(&mut self, forces: &[Vec<f64>; 2]) {
         self.force.clone_from(forces);
         self.step_end.clone_from(forces);
@@ -93,20 +93,15 @@ impl IdealHinges {
         }
     }
 
-    /// Add the forces to the links, which have none yet, and write their magnitudes.
+    /// Write the forces on the links, which have none of other hinges.
     fn push(&self, chain: &mut ChainArrays) {
-        let [force_x, force_y] = &self.force;
-        let n = force_x.len();
-        for (axis, force) in [force_x, force_y].into_iter().enumerate() {
+        for (axis, force) in self.force.iter().enumerate() {
+            let n = force.len();
             chain.front_force[axis][..n].copy_from_slice(force);
             let rear = &mut chain.rear_force[axis][FIRST + 1..][..n];
             for (rear, force) in rear.iter_mut().zip(force) {
                 *rear = -force;
             }
-        }
-        let magnitudes = chain.force[..n].iter_mut().zip(force_x).zip(force_y);
-        for ((magnitude, x), y) in magnitudes {
-            *magnitude = (x * x + y * y).sqrt();
         }
     }
 
@@ -255,6 +250,9 @@ impl Kernels {
                 ideal.correct_forces(change, 1.0);
                 for (acceleration, change) in accelerations.iter_mut().zip(&ideal.change) {
                     *acceleration += change;
+                }
+                for open in &mut ideal.open {
+                    open.fill(0.0);
                 }
             }
         }

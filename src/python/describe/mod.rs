@@ -24,13 +24,12 @@ use tightening::{arm, tensioner};
 pub(super) use chain::{chain, material};
 pub(super) use ends::chain_end;
 pub(super) use laws::{
-    damping, film, force_laws, friction, law_and_friction, law_of, law_or_common,
-    min_impact_velocity, tribology,
+    damping, film, force_laws, friction, law_and_friction, law_of, min_impact_velocity, tribology,
 };
 pub(super) use reader::{
     Reader, count, finite, number, refuse, shown, signal, table, truth, two_teeth,
 };
-pub(super) use run::{drive_groups, ideal_groups, mechanism_groups, reports, solver};
+pub(super) use run::{drive_groups, mechanism_groups, reports, solver};
 pub(super) use sprocket::sprocket;
 pub(super) use tightening::rail;
 

@@ -7,7 +7,6 @@ use crate::chain::Groups;
 use crate::error::Error;
 use crate::integrator::{Corrector, StepControl};
 use crate::multibody::MechanismGroups;
-use crate::run::IdealGroups;
 use crate::run::simulation::check_reports;
 
 /// Read and check duration \[s\], report interval \[s\], and whether the energy is recorded.
@@ -32,16 +31,6 @@ pub(crate) fn drive_groups(names: &[String], energy: bool) -> Groups {
         sprockets: has("sprockets"),
         bodies: has("bodies"),
         energy,
-    }
-}
-
-/// Return the recorded groups of a drive with ideal hinges from their names.
-pub(crate) fn ideal_groups(names: &[String], energy: bool) -> IdealGroups {
-    let has = |name: &str| names.iter().any(|n| n == name);
-    IdealGroups {
-        drive: drive_groups(names, energy),
-        joints: has("joints"),
-        contacts: has("contacts"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Drive with clearance whose positions are iterated to static equilibrium.
+//! Drive whose positions are iterated to static equilibrium.
 
 use std::sync::Arc;
 
@@ -64,10 +64,13 @@ impl RestingDrive {
         places.set(&start.positions, &start.velocities);
         let mut y = vec![0.0; 2 * model.coordinates];
         places.write(&model, &mut y);
+        let applied = applied_force(&model);
+        let mut dynamics = Dynamics::new(model);
+        dynamics.close_ideal_hinges(0.0, &mut y);
         Self {
-            applied: applied_force(&model),
+            applied,
             frictional,
-            dynamics: Dynamics::new(model),
+            dynamics,
             places,
             rates: vec![0.0; y.len()],
             y,
@@ -101,7 +104,7 @@ impl Resting for RestingDrive {
     /// Moments of links are divided by half the pitch.
     fn unbalanced(&mut self) -> f64 {
         self.dynamics
-            .accelerations_with_slopes(0.0, &self.y, &mut self.rates);
+            .derivative_with_slopes(0.0, &self.y, &mut self.rates);
         let model = self.dynamics.model();
         let (n, accelerations) = (model.links, &self.rates[model.coordinates..]);
         let mut largest: f64 = 0.0;
@@ -201,6 +204,7 @@ impl Resting for RestingDrive {
         for (q, step) in self.y.iter_mut().zip(step) {
             *q += share * step;
         }
+        self.dynamics.close_ideal_hinges_nearby(&mut self.y);
         true
     }
 }

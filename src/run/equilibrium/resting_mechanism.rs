@@ -129,14 +129,6 @@ impl RestingMechanism {
         })
     }
 
-    /// Return the accelerations at other positions, at rest.
-    pub(super) fn accelerations_at(&mut self, positions: &[f64]) -> Vec<f64> {
-        let mut state = vec![0.0; 2 * positions.len()];
-        state[..positions.len()].copy_from_slice(positions);
-        self.dynamics.evaluate(0.0, &state);
-        self.dynamics.accelerations.clone()
-    }
-
     /// Assemble and factorise the matrix of a step of length `gamma` \[s\] at the last evaluation; return whether it is regular.
     pub(super) fn factorise(&mut self, gamma: f64) -> bool {
         // At rest the constraints change with the displacement alone: without accelerations the matrix has G in their rows.

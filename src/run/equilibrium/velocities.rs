@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::resting_drive::RestingDrive;
-use super::resting_mechanism::RestingMechanism;
 use super::settling::Resting;
 use crate::chain::model::Rotation;
 use crate::chain::motion::Motion;
@@ -62,6 +61,7 @@ impl RestingDrive {
         for (v, change) in y[coordinates..].iter_mut().zip(&rates) {
             *v += change;
         }
+        self.dynamics.close_ideal_hinges_nearby(&mut y);
         self.places.read(&model, 0.0, &y);
         let before = std::mem::replace(&mut start.velocities, self.places.velocities());
         for (s, sprocket) in model.sprockets.iter().enumerate() {
@@ -90,51 +90,5 @@ impl RestingDrive {
         let mut y = vec![0.0; 2 * coordinates];
         bodies.write(&model, &mut y);
         y.split_off(coordinates)
-    }
-}
-
-impl RestingMechanism {
-    /// Change the velocities of a drive with ideal hinges likewise, and to those that the joints permit; drivers keep their speeds.
-    pub(super) fn move_along_contacts(&mut self, velocities: &mut [[f64; 3]]) {
-        let first = self.dynamics.model.first[1..].to_vec();
-        let mut v = vec![0.0; self.positions().len()];
-        for (first, velocity) in first.iter().zip(&*velocities) {
-            if let Some(i) = *first {
-                v[i..i + 3].copy_from_slice(velocity);
-            }
-        }
-        for _ in 0..TRAVEL_ROUNDS {
-            let fastest = fastest(velocities);
-            if fastest == 0.0 || !self.take_out_approaches(&mut v, SMALL_MOVE / fastest) {
-                break;
-            }
-        }
-        for (first, velocity) in first.iter().zip(velocities) {
-            if let Some(i) = *first {
-                velocity.copy_from_slice(&v[i..i + 3]);
-            }
-        }
-    }
-
-    /// Perform one round, as of a drive with clearance, with the velocities of all coordinates.
-    fn take_out_approaches(&mut self, velocities: &mut [f64], moment: f64) -> bool {
-        let here = self.positions().to_vec();
-        let moved = here.iter().zip(&*velocities);
-        let moved: Vec<f64> = moved.map(|(q, v)| q + moment * v).collect();
-        let mut change = self.accelerations_at(&moved);
-        for (change, here) in change.iter_mut().zip(self.accelerations_at(&here)) {
-            *change = (*change - here) * TRAVEL_GAMMA * TRAVEL_GAMMA / moment;
-        }
-        if !self.factorise(TRAVEL_GAMMA) {
-            return false;
-        }
-        self.dynamics.correct(&mut change);
-        // The layout has no ideal hinges. The change of its velocities to those that the joints permit is weighted by the same matrix.
-        let residual = self.dynamics.joint_rates(velocities);
-        (self.dynamics.corrector).correct_constraints(&residual, &mut change);
-        for (v, change) in velocities.iter_mut().zip(&change) {
-            *v += change;
-        }
-        true
     }
 }
