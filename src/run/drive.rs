@@ -13,6 +13,19 @@ use crate::integrator::{Adams, Corrector, OdeSystem, StepControl};
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
 
+/// Return the control of a run of `model`: an evaluation of ideal hinges solves a linear system, so that explicit steps, which have two,
+/// are never cheaper than implicit ones.
+fn control_for(model: &Model, control: StepControl) -> StepControl {
+    let corrector = match control.corrector {
+        Corrector::Auto if model.hinges.ideal => Corrector::Newton,
+        corrector => corrector,
+    };
+    StepControl {
+        corrector,
+        ..control
+    }
+}
+
 impl Simulation<Dynamics> {
     /// Return a run of `model` from `start` at time zero.
     ///
@@ -25,6 +38,7 @@ impl Simulation<Dynamics> {
     ) -> Result<Self> {
         control.validate()?;
         check_start(&model, start)?;
+        let control = control_for(&model, control);
         let mut dynamics = Dynamics::new(model);
         let dimension = dynamics.dimension();
         let mut y = vec![0.0; dimension];

@@ -69,7 +69,6 @@ impl Dynamics {
         } = &mut *self.reader;
         let (model, memory, place) = (&self.model, &self.memory, (&self.evaluated.motion, t));
         kernels.candidates.invalidate();
-        kernels.begin_hinge_forces_of(&self.kernels);
         kernels.keep_powers(self.keeps_energy);
         let powers = kernels.evaluate_placed(model, memory, place, state, accelerations);
         self.evaluated.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
@@ -107,7 +106,6 @@ impl Dynamics {
         let (model, memory, motion) = (&self.model, &self.memory, &self.evaluated.motion);
         if needs.hinges && model.hinges.ideal {
             // Forces of ideal hinges follow from the accelerations.
-            kernels.begin_hinge_forces_of(&self.kernels);
             kernels.keep_powers(false);
             kernels.evaluate_placed(model, memory, (motion, t), y, accelerations);
         } else {

@@ -168,10 +168,12 @@ impl Dynamics {
             self.differentiate(t, y);
             let open = self.kernels.project_hinges(&self.model, y);
             if open < CLOSED * self.model.half_pitch && open >= 0.5 * before {
-                return;
+                break;
             }
             before = open;
         }
+        self.differentiate(t, y);
+        self.kernels.end_step();
     }
 
     /// Close ideal hinges that a small move has opened, by the last matrix.

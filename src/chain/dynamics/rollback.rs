@@ -51,6 +51,7 @@ impl Dynamics {
         self.events.jumps.remove_after(&self.model, t);
         self.kernels.candidates.invalidate();
         self.begin_watch(t, y);
+        self.kernels.end_step();
         if self.keeps_energy {
             self.quadrature.begin(t, self.powers);
         }

@@ -9,7 +9,7 @@ use crate::layout::InitialConfiguration;
 
 /// Distance of the centres of a hinge or a roller, over half the pitch, above which it counts as open.
 const OPEN: f64 = 0.1;
-/// The same of an ideal hinge, which the start has closed.
+/// Distance of the ends of an ideal hinge, over half the pitch, above which a start could not close it.
 const OPEN_IDEAL: f64 = 1e-9;
 /// Relative deviation of an initial velocity from a prescribed one or a guide path that counts as none: rounding. Prescribed velocities
 /// below 1 m/s or 1 rad/s permit it in these units.

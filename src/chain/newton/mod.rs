@@ -179,10 +179,11 @@ impl NewtonMatrix {
         }
     }
 
-    /// Return γ times the changes of the forces of `hinges` ideal hinges by the last correction, with opposite sign on fronts.
+    /// Return γ times the changes of the forces of `hinges` ideal hinges by the last correction, those on fronts with opposite sign; that of
+    /// the last hinge precedes the first.
     pub(crate) fn changes_of_hinge_forces(&self, hinges: usize) -> [&[f64]; 2] {
         let [x, y] = self.links.hinge_forces();
-        [&x[BASE..][..hinges], &y[BASE..][..hinges]]
+        [x, y].map(|axis| &axis[BASE - 1..BASE + hinges])
     }
 
     /// Return the changes of the powers of hinges and teeth \[W\] with the last correction, whose part on the border is `border`; add those

@@ -36,7 +36,7 @@ pub(crate) struct IdealHinges {
     direction: [Numbers; 2],
     /// Scratch: fronts, x and y, and rears; a copy of the first rear follows the last.
     ends: [Numbers; 4],
-    /// Scratch: residual or correction of all coordinates.
+    /// Scratch: correction of all coordinates but the bristles'.
     change: Vec<f64>,
     /// Residual of the velocities with the corrected forces.
     pub(super) residual: Vec<f64>,
@@ -57,7 +57,7 @@ impl IdealHinges {
             lack: padded(),
             direction: [padded_zeros(n + WIDTH), padded_zeros(n + WIDTH)],
             ends: [(); 4].map(|()| padded_zeros(n + WIDTH)),
-            change: vec![0.0; model.coordinates],
+            change: vec![0.0; model.coordinates - model.bristles.all().len()],
             residual: vec![0.0; model.coordinates],
         })
     }
@@ -73,23 +73,17 @@ impl IdealHinges {
         self.step_end.clone_from(forces);
     }
 
-    /// Begin a step: evaluations outside of the steps may have changed the forces.
-    pub(crate) fn begin_step(&mut self) {
-        let Self {
-            force, step_end, ..
-        } = self;
-        for (force, kept) in force.iter_mut().zip(step_end) {
-            force.copy_from_slice(kept);
-        }
-    }
-
-    /// Keep the forces at the end of a step.
-    fn end_step(&mut self) {
-        let Self {
-            force, step_end, ..
-        } = self;
-        for (kept, force) in step_end.iter_mut().zip(force) {
-            kept.copy_from_slice(force);
+    /// Add the `changes` of a solution to the forces on the links: the geometric stiffness in the matrix follows from these.
+    fn add_changes(changes: [&[f64]; 2], chain: &mut ChainArrays) {
+        for (axis, change) in changes.into_iter().enumerate() {
+            let n = change.len() - 1;
+            let (front, rear) = (&mut chain.front_force[axis], &mut chain.rear_force[axis]);
+            for (force, change) in front.iter_mut().zip(&change[1..]) {
+                *force -= change;
+            }
+            for (force, change) in rear[FIRST..].iter_mut().zip(&change[..n]) {
+                *force += change;
+            }
         }
     }
 
@@ -104,40 +98,46 @@ impl IdealHinges {
             }
         }
     }
+}
 
-    /// Correct the forces by `change`, those on fronts with opposite sign, over `gamma`.
-    fn correct_forces(&mut self, change: [&[f64]; 2], gamma: f64) {
-        for (force, change) in self.force.iter_mut().zip(change) {
-            for (force, change) in force.iter_mut().zip(change) {
-                *force -= change / gamma;
-            }
-        }
-    }
+/// What the offsets at the hinges are those of; see [`WriteOpen`].
+#[derive(Clone, Copy)]
+enum Level {
+    Positions,
+    Velocities,
+    Accelerations,
 }
 
 /// Kernel that writes the offset of the two ends at each hinge, front minus rear, or its first or second derivative: plain loops that the
 /// compiler vectorizes for the instruction set.
 ///
-/// An end at r from the centre of its link has x + t × r - s r, with t the derivative of the angle and the factor s.
-struct WriteOpen<'a, F: Fn(usize) -> f64> {
-    /// x and y of the links, and t.
+/// An end at r from the centre x of its link is at x + r, and moves with v + ω × r and a + α × r - ω² r.
+struct WriteOpen<'a> {
+    level: Level,
+    /// x, y and angle of the links, or their derivatives.
     of_links: [&'a [f64]; 3],
-    /// s: squared angular velocities for accelerations, 0 for velocities, -1 for positions.
-    factor: F,
+    /// ω of the links, for accelerations \[rad/s\].
+    spin: &'a [f64],
     direction: [&'a [f64]; 2],
     arm: &'a [f64],
     ends: &'a mut [Numbers; 4],
     open: &'a mut [Numbers; 2],
 }
 
-impl<F: Fn(usize) -> f64> WithSimd for WriteOpen<'_, F> {
+impl WithSimd for WriteOpen<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
+        // r times `along` plus the turned r times `across` of the angle's derivative.
+        let (square, along, across) = match self.level {
+            Level::Positions => (0.0, 1.0, 0.0),
+            Level::Velocities => (0.0, 0.0, 1.0),
+            Level::Accelerations => (-1.0, 0.0, 1.0),
+        };
         let [x, y, turn] = self.of_links;
         let n = x.len();
-        let (y, turn, arm) = (&y[..n], &turn[..n], &self.arm[..n]);
+        let (y, turn, spin, arm) = (&y[..n], &turn[..n], &self.spin[..n], &self.arm[..n]);
         let [cos, sin] = self.direction.map(|of| &of[..n]);
         let [front_x, front_y, rear_x, rear_y] = self.ends;
         {
@@ -145,10 +145,13 @@ impl<F: Fn(usize) -> f64> WithSimd for WriteOpen<'_, F> {
             let (rear_x, rear_y) = (&mut rear_x[..n], &mut rear_y[..n]);
             for k in 0..n {
                 let (u, v) = (arm[k] * cos[k], arm[k] * sin[k]);
-                let factor = (self.factor)(k);
-                let (dx, dy) = (-turn[k] * v - factor * u, turn[k] * u - factor * v);
-                (front_x[k], front_y[k]) = (x[k] + dx, y[k] + dy);
-                (rear_x[k], rear_y[k]) = (x[k] - dx, y[k] - dy);
+                let factor = square * spin[k] * spin[k] + along;
+                let turn = across * turn[k];
+                let (dx, dy) = (factor * u - turn * v, factor * v + turn * u);
+                front_x[k] = x[k] + dx;
+                front_y[k] = y[k] + dy;
+                rear_x[k] = x[k] - dx;
+                rear_y[k] = y[k] - dy;
             }
         }
         (rear_x[n], rear_y[n]) = (rear_x[0], rear_y[0]);
@@ -163,10 +166,13 @@ impl<F: Fn(usize) -> f64> WithSimd for WriteOpen<'_, F> {
     }
 }
 
-/// Kernel of the residual of the velocities with the corrected forces: `residual` minus the accelerations by `change`.
+/// Kernel that corrects the forces of the hinges by -`change`/γ, and `residual` to that with the corrected forces.
 struct TakeForces<'a> {
-    residual: &'a mut [f64],
+    gamma: f64,
+    /// γ times the changes, those on fronts with opposite sign; that of the last hinge precedes the first.
     change: [&'a [f64]; 2],
+    force: &'a mut [Vec<f64>; 2],
+    residual: &'a mut [f64],
     direction: [&'a [f64]; 2],
     constants: &'a LinkConstants,
 }
@@ -176,41 +182,63 @@ impl WithSimd for TakeForces<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let [cos, sin] = self.direction;
-        let [change_x, change_y] = self.change;
-        let n = change_x.len();
-        let (x, rest) = self.residual.split_at_mut(n);
-        let (y, rest) = rest.split_at_mut(n);
-        let turn = &mut rest[..n];
+        let n = self.force[0].len();
+        let over = 1.0 / self.gamma;
+        for (force, change) in self.force.iter_mut().zip(self.change) {
+            for (force, change) in force.iter_mut().zip(&change[1..=n]) {
+                *force -= over * change;
+            }
+        }
+        let [x, y, turn] = of_links_mut(self.residual, n);
         let LinkConstants {
             front_arm,
             inverse_mass,
             inverse_inertia,
             ..
         } = self.constants;
+        let (arm, light) = (&front_arm[..n], &inverse_mass[..n]);
+        let turns = &inverse_inertia[..n];
+        let [cos, sin] = self.direction.map(|of| &of[..n]);
+        // The change of a hinge acts on the front of its link, and with opposite sign on the rear of the next one.
+        let [(front_x, rear_x), (front_y, rear_y)] =
+            self.change.map(|change| (&change[1..=n], &change[..n]));
         for k in 0..n {
-            let before = if k == 0 { n - 1 } else { k - 1 };
-            let (fx, fy) = (change_x[k], change_y[k]);
-            let (rx, ry) = (change_x[before], change_y[before]);
-            x[k] -= inverse_mass[k] * (fx - rx);
-            y[k] -= inverse_mass[k] * (fy - ry);
-            let lever = front_arm[k] * (cos[k] * (fy + ry) - sin[k] * (fx + rx));
-            turn[k] -= inverse_inertia[k] * lever;
+            x[k] -= light[k] * (front_x[k] - rear_x[k]);
+            y[k] -= light[k] * (front_y[k] - rear_y[k]);
+            let lever = cos[k] * (front_y[k] + rear_y[k]) - sin[k] * (front_x[k] + rear_x[k]);
+            turn[k] -= turns[k] * (arm[k] * lever);
         }
     }
 }
 
 impl Kernels {
-    /// Begin from the forces of ideal hinges at the end of the last step of `steps`.
-    pub(crate) fn begin_hinge_forces_of(&mut self, steps: &Self) {
-        if let (Some(own), Some(of_steps)) = (&mut self.ideal, &steps.ideal) {
-            own.begin_from(&of_steps.step_end);
+    /// Return to the forces of ideal hinges at the end of the last step: evaluations outside of the steps change them.
+    pub(crate) fn return_to_step_end(&mut self) {
+        if let Some(ideal) = self.ideal.as_deref_mut() {
+            for (force, kept) in ideal.force.iter_mut().zip(&ideal.step_end) {
+                force.copy_from_slice(kept);
+            }
         }
     }
 
-    /// Add the forces of ideal hinges to the links.
+    /// Keep the forces of ideal hinges as those at the end of the last step.
+    pub(crate) fn end_step(&mut self) {
+        if let Some(ideal) = self.ideal.as_deref_mut() {
+            for (kept, force) in ideal.step_end.iter_mut().zip(&ideal.force) {
+                kept.copy_from_slice(force);
+            }
+        }
+    }
+
+    /// Add the forces of ideal hinges to the links. An evaluation that solves for them begins without any, so that its result depends on
+    /// the state alone.
     pub(super) fn push_by_hinges(&mut self) {
-        if let Some(ideal) = &self.ideal {
+        if let Some(ideal) = self.ideal.as_deref_mut() {
+            if !ideal.takes_forces {
+                for force in &mut ideal.force {
+                    force.fill(0.0);
+                }
+            }
             ideal.push(&mut self.chain);
         }
     }
@@ -229,8 +257,9 @@ impl Kernels {
         let n = model.links;
         let spin = &y[model.coordinates + 2 * n..][..n];
         self.instructions.run(WriteOpen {
+            level: Level::Accelerations,
             of_links: of_links(accelerations, n),
-            factor: |k: usize| spin[k] * spin[k],
+            spin,
             direction: [&self.chain.cos, &self.chain.sin],
             arm: &self.links.front_arm,
             ends: &mut ideal.ends,
@@ -246,8 +275,13 @@ impl Kernels {
                     &mut ideal.change,
                     Some(&ideal.open),
                 );
-                let change = newton.changes_of_hinge_forces(n);
-                ideal.correct_forces(change, 1.0);
+                let changes = newton.changes_of_hinge_forces(n);
+                for (force, change) in ideal.force.iter_mut().zip(changes) {
+                    for (force, change) in force.iter_mut().zip(&change[1..]) {
+                        *force -= change;
+                    }
+                }
+                IdealHinges::add_changes(changes, &mut self.chain);
                 for (acceleration, change) in accelerations.iter_mut().zip(&ideal.change) {
                     *acceleration += change;
                 }
@@ -269,8 +303,9 @@ impl Kernels {
         let direction = [&self.chain.cos[..n], &self.chain.sin[..n]];
         // The accelerations of the formula are those of the evaluation less residual/γ.
         self.instructions.run(WriteOpen {
+            level: Level::Velocities,
             of_links: of_links(residual, n),
-            factor: |_: usize| 0.0,
+            spin: &self.chain.cos,
             direction,
             arm: &self.links.front_arm,
             ends: &mut ideal.ends,
@@ -281,16 +316,16 @@ impl Kernels {
                 *lack = ideal.gamma * open - *lack;
             }
         }
-        ideal.residual.copy_from_slice(residual);
+        ideal.residual[..residual.len()].copy_from_slice(residual);
         newton.correct(model, self.instructions, residual, Some(&ideal.lack));
-        let change = newton.changes_of_hinge_forces(n);
         self.instructions.run(TakeForces {
+            gamma: ideal.gamma,
+            change: newton.changes_of_hinge_forces(n),
+            force: &mut ideal.force,
             residual: &mut ideal.residual,
-            change,
             direction,
             constants: &self.links,
         });
-        ideal.correct_forces(change, ideal.gamma);
     }
 
     /// Project positions and velocities in `y`, the end of a step, onto the constraints by the last matrix; return the largest offset of
@@ -308,24 +343,21 @@ impl Kernels {
         self.instructions.run(WriteDirections { angle, cos, sin });
         let direction = [&ideal.direction[0][..n], &ideal.direction[1][..n]];
         let mut worst = 0.0f64;
-        ideal.change.fill(0.0);
-        for (is_position, coordinates) in [(true, q), (false, v)] {
-            let [x, y, turn] = of_links(coordinates, n);
-            // At positions the ends are at x + r: the change is zero, and so is its turn.
-            let zeros = &ideal.change[..n];
-            let factor = if is_position { -1.0 } else { 0.0 };
+        for (level, coordinates) in [(Level::Positions, q), (Level::Velocities, v)] {
             self.instructions.run(WriteOpen {
-                of_links: [x, y, if is_position { zeros } else { turn }],
-                factor: |_: usize| factor,
+                level,
+                of_links: of_links(coordinates, n),
+                spin: &ideal.direction[0],
                 direction,
                 arm: &self.links.front_arm,
                 ends: &mut ideal.ends,
                 open: &mut ideal.lack,
             });
-            if is_position {
+            if let Level::Positions = level {
                 let all = ideal.lack.iter().flat_map(|lack| lack[..n].iter());
                 worst = all.fold(0.0, |worst, lack| lack.abs().max(worst));
             }
+            ideal.change.fill(0.0);
             newton.correct(
                 model,
                 self.instructions,
@@ -335,9 +367,7 @@ impl Kernels {
             for (coordinate, change) in coordinates.iter_mut().zip(&ideal.change) {
                 *coordinate += change;
             }
-            ideal.change.fill(0.0);
         }
-        ideal.end_step();
         worst
     }
 }
@@ -345,4 +375,11 @@ impl Kernels {
 /// Return x, y and angle of the links among all coordinates.
 fn of_links(coordinates: &[f64], links: usize) -> [&[f64]; 3] {
     [0, 1, 2].map(|axis| &coordinates[axis * links..(axis + 1) * links])
+}
+
+/// Return the same to write.
+fn of_links_mut(coordinates: &mut [f64], links: usize) -> [&mut [f64]; 3] {
+    let (x, rest) = coordinates.split_at_mut(links);
+    let (y, rest) = rest.split_at_mut(links);
+    [x, y, &mut rest[..links]]
 }

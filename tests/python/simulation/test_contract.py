@@ -48,24 +48,20 @@ SYSTEMS: dict[str, Callable[[], rc.ChainDrive | rc.Mechanism]] = {
     "mechanism": crank,
 }
 GROUPS = {
-    "clearance": ("hinges", "teeth", "sprockets", "energy"),
-    "ideal": ("hinges", "teeth", "sprockets", "joints", "contacts", "energy"),
+    "drive": ("hinges", "teeth", "sprockets", "energy"),
     "mechanism": ("bodies", "joints", "contacts", "energy"),
 }
 # Part whose speed can be set, with its body; part whose torque can be set.
 INPUTS = {
-    "clearance": (("sprocket_1", "sprocket_1"), "sprocket_2"),
-    "ideal": (("sprocket_1", "sprocket_1"), "sprocket_2"),
+    "drive": (("sprocket_1", "sprocket_1"), "sprocket_2"),
     "mechanism": (("motor", "crank"), "load"),
 }
 PEAKS = {
-    "clearance": [("hinge_force", "hinge_force"), ("tooth_force", "tooth_force")],
-    "ideal": [("hinge_force", "hinge_force"), ("joint_force", "joint_reaction")],
+    "drive": [("hinge_force", "hinge_force"), ("tooth_force", "tooth_force")],
     "mechanism": [("contact_force", "contact_force"), ("joint_force", "joint_reaction")],
 }
 STOPS = {
-    "clearance": rc.ToothForceAbove(1e-6),
-    "ideal": rc.JointForceAbove(1e-6),
+    "drive": rc.ToothForceAbove(1e-6),
     "mechanism": rc.ContactForceAbove(1e-6),
 }
 
@@ -117,7 +113,7 @@ def test_energy_is_a_group_like_the_others(scene, result):
 
 
 def test_a_group_that_the_scene_does_not_have_is_refused_with_those_that_it_has(scene):
-    wrong = {"clearance": "joints", "ideal": "guides", "mechanism": "hinges"}[scene.kind]
+    wrong = {"drive": "joints", "mechanism": "hinges"}[scene.kind]
     with pytest.raises(rc.InvalidInput, match=f"'{wrong}' is no group; .*'"):
         rc.Simulation(scene).run(1e-4, record=(wrong,), progress=False)
 
@@ -325,8 +321,7 @@ def test_a_part_that_is_not_there_gets_the_nearest(scene):
 
 def test_a_condition_on_a_part_that_is_not_there_is_refused(scene):
     conditions = {
-        "clearance": [rc.HingeForceAbove(1.0, hinge=99), rc.StrandSlack(strand="uper")],
-        "ideal": [rc.JointForceAbove(1.0, joint="hinge6")],
+        "drive": [rc.HingeForceAbove(1.0, hinge=99), rc.StrandSlack(strand="uper")],
         "mechanism": [rc.JointForceAbove(1.0, joint="moter"), rc.ContactForceAbove(1.0, "flor")],
     }
     for condition in conditions[scene.kind]:
@@ -406,7 +401,7 @@ def test_an_evaluation_has_no_side_effects_and_names_what_it_has(scene):
     assert first == second
     assert simulation.state()["snapshot"] == before["snapshot"]
     assert first.accelerations.shape == (len(simulation.body_names), 3)
-    missing = {"clearance": "joint_reaction", "mechanism": "hinge_force"}.get(scene.kind, "rollers")
+    missing = {"drive": "joint_reaction", "mechanism": "hinge_force"}[scene.kind]
     with pytest.raises(AttributeError, match=missing):
         getattr(first, missing)
     with pytest.raises(ValueError, match="read-only"):

@@ -105,7 +105,7 @@ def test_a_rail_in_the_chain_is_refused_with_how_far():
 
 
 def test_mechanisms_take_no_guides():
-    with pytest.raises(ValueError, match="expected none with ideal hinges"):
+    with pytest.raises(ValueError, match="expected none in a mechanism"):
         guided().to_mechanism()
 
 

@@ -60,18 +60,15 @@ def test_the_balance_closes_and_pins_stay_in_the_middle(pair):
     energy = result.energy
     exchanged = np.ptp(energy.kinetic) + energy.elastic.max() + np.abs(energy.external_work).max()
     assert np.abs(energy.residual).max() < 0.02 * exchanged
-    assert result.arrays["hinge_penetration"].max() < 1e-14
+    assert result.arrays["hinge_penetration"].max() < SOLVER.accuracy
     np.testing.assert_allclose(result.sprocket(1).speed, 12.566, rtol=1e-12)
     np.testing.assert_allclose(result.sprocket(2).torque, -2.0)
 
 
 def test_the_channels_are_those_of_a_drive_with_clearance(pair):
     clearance, ideal = pair
-    places = {
-        f"energy_{part}_{how}" for part in ("hinge", "tooth") for how in ("contact", "friction")
-    }
-    onsets = {"hinge_onset_speed", "tooth_onset_speed"}  # of present contacts, which none keeps
-    assert set(ideal.arrays) == set(clearance.arrays) - places - onsets
+    places = {"energy_hinge_contact", "energy_hinge_friction", "hinge_onset_speed"}
+    assert set(ideal.arrays) == set(clearance.arrays) - places
     for name, values in ideal.arrays.items():
         assert values.shape == clearance.arrays[name].shape, name
 
@@ -166,11 +163,19 @@ def test_a_motor_with_a_curve_has_its_torque():
     np.testing.assert_allclose(result.sprocket(1).torque, 3.5 - 0.2 * speed, rtol=1e-12)
 
 
-def test_a_ratchet_and_a_leak_are_refused_with_the_remedy():
-    for bad in ({"ratchet": 1e-3}, {"damping_back": 5.0}):
-        drive = three_sprockets(tensioner=replace(TENSIONERS["slide"], **bad), hinges="ideal")
-        with pytest.raises(rc.InvalidInput, match=r"ratchet or a leak .* take hinges='clearance'"):
-            rc.Simulation(drive)
+@pytest.mark.parametrize("more", [{"ratchet": 1e-5}, {"damping_back": 1e6}])
+def test_a_ratchet_and_a_leak_hold_a_tensioner_back(more):
+    """Under a pull that falls after 10 ms; without them the sprocket goes back with the chain."""
+    backward = []
+    for change in ({}, more):
+        tensioner = rc.Tensioner(60.0, sprocket=3, ramp_time=0.0, damping=10.0, **change)
+        simulation = rc.Simulation(three_sprockets(tensioner=tensioner, hinges="ideal"))
+        simulation.step_to(0.01)
+        simulation.set_tensioner_force(0.0)
+        result = simulation.run(5e-3, 1e-4, record=("sprockets",), energy=False, progress=False)
+        way = np.hypot(*(result.sprocket(3).center - result.sprocket(3).center[0]).T)
+        backward.append(way.max())
+    assert backward[0] > 3.0 * backward[1]
 
 
 def test_a_state_and_a_stop_work_with_an_arm(tmp_path):
@@ -185,10 +190,9 @@ def test_a_state_and_a_stop_work_with_an_arm(tmp_path):
     resumed = rc.Simulation.load_state(tmp_path / "state.npz")
     resumed.step_to(2e-3)
     np.testing.assert_array_equal(resumed.positions, straight.positions)
-    stop = rc.JointForceAbove(1e-6, joint="pivot_3")
+    stop = rc.HingeForceAbove(1e-6)
     result = resumed.run(1e-3, report_step=1e-4, stop=stop, progress=False)
     assert result.status == "stopped"
-    assert "joint 'pivot_3'" in result.message
 
 
 def test_positions_of_an_arm_are_not_asked_for():

@@ -195,7 +195,6 @@ def test_a_catalogue_chain_weighs_the_same_with_rollers_as_bodies():
         (lambda c, r: rc.two_sprocket_drive(replace(c, roller=None), rollers="bodies"), "roller"),
         (lambda c, r: rc.paper_drive(rollers="loose"), "'fixed' or 'bodies'"),
         (lambda c, r: roller_drive().to_mechanism(), "no rollers as bodies"),
-        (lambda c, r: rc.Simulation(replace(roller_drive(), hinges="ideal")), "no rollers"),
     ],
 )
 def test_what_cannot_be_is_refused(make, message):
