@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 import guides
 import parts
@@ -48,9 +49,11 @@ def _sprocket(
     return made
 
 
-def two_sprockets(draw: Draw) -> rc.ChainDrive:
+def two_sprockets(draw: Draw, hinges: Literal["clearance", "ideal"] = "clearance") -> rc.ChainDrive:
     """Return a drive of two sprockets at any angle, taut or tensioned."""
     chain = parts.chain(draw)
+    if hinges == "ideal":
+        chain = replace(chain, link_stiffness=None)
     pitch = chain.pitch
     driver = _sprocket(draw, chain, (0.0, 0.0), driver=True)
     driven = _sprocket(draw, chain, (0.0, 0.0), driver=False)
@@ -81,6 +84,7 @@ def two_sprockets(draw: Draw) -> rc.ChainDrive:
         tensioner=tensioner,
         gravity=draw.one_of(GRAVITIES),
         guides=guides.guides(draw, strands) if draw.chance(0.25) else (),
+        hinges=hinges,
     )
     return replace(drive, chain=parts.of_known_links(draw, drive.chain))
 
@@ -133,29 +137,8 @@ def paper(draw: Draw) -> rc.ChainDrive:
 
 
 def ideal_hinges(draw: Draw) -> rc.ChainDrive:
-    """Return a drive of two small sprockets with ideal hinges."""
-    chain = parts.chain(draw, rollers_from=0.0)
-    chain = replace(chain, link_stiffness=None)
-    sprockets = [
-        replace(_sprocket(draw, chain, (0.0, 0.0), k == 0, most_teeth=19), eccentricity=0.0)
-        for k in range(2)
-    ]
-    radii = [parts.pitch_radius(chain.pitch, s.teeth) for s in sprockets]
-    distance = sum(radii) + chain.pitch * draw.between(3.0, 15.0)
-    sprockets[1] = replace(sprockets[1], center=(distance, 0.0))
-    tensioner = None
-    if draw.chance(0.5):  # without what is for drives with clearance
-        tensioner = parts.tensioner(draw, parts.usual_tension(chain.pitch), 2)
-        tensioner = replace(tensioner, ratchet=None, damping_back=None)
-    drive = rc.chain_drive(
-        chain,
-        sprockets,
-        adjust=2,
-        tensioner=tensioner,
-        gravity=draw.one_of(GRAVITIES),
-        hinges="ideal",
-    )
-    return replace(drive, chain=parts.of_known_links(draw, drive.chain))
+    """Return a drive of two sprockets with ideal hinges."""
+    return two_sprockets(draw, "ideal")
 
 
 def open_chain(draw: Draw) -> rc.ChainDrive:

@@ -41,10 +41,10 @@ def material(draw: Draw) -> rc.Material:
     return rc.Material(restitution=restitution)
 
 
-def chain(draw: Draw, links: int = 100, rollers_from: float = 0.2) -> rc.Chain:
+def chain(draw: Draw, links: int = 100) -> rc.Chain:
     """Return a chain of the catalogue, often changed; `links` may be counted anew later."""
     name = draw.one_of(sorted(rc.chain_sizes()))
-    has_rollers = rc.chain_sizes()[name].has_rollers and draw.chance(rollers_from, "rollers")
+    has_rollers = rc.chain_sizes()[name].has_rollers and draw.chance(0.2, "rollers")
     plates = "elastic" if draw.chance(0.2, "elastic links") else "rigid"
     strands = draw.one_of((1, 1, 1, 2, 3))
     rollers = "bodies" if has_rollers else "fixed"

@@ -10,9 +10,9 @@ use crate::integrator::{
 
 /// Accuracy over the permitted error of links on ideal hinges.
 ///
-/// An error of one link moves its whole strand, and counts more in the energies than a vibration in a clearance. With 4 the residuals of the
-/// energy balance are those of the same drives with clearance (decision 46). Doubled: a quarter more steps.
-const IDEAL_HINGES: f64 = 4.0;
+/// An error of one link moves its whole strand, and counts more in the energies than a vibration in a clearance (decision 46). Doubled: a
+/// quarter more steps, and 0.6 to 0.7 of the residual of the energy balance.
+const IDEAL_HINGES: f64 = 2.0;
 
 impl Dynamics {
     /// Allocate the arrays of the implicit corrector.

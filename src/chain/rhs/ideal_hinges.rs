@@ -28,8 +28,10 @@ pub(crate) struct IdealHinges {
     pub(super) takes_forces: bool,
     /// γ of the factors of the implicit corrector.
     pub(super) gamma: f64,
-    /// G a + c at the last evaluation \[m/s²\].
-    open: [Numbers; 2],
+    /// Accelerations of the links at the last evaluation: x, y and angle.
+    trial: Vec<f64>,
+    /// Angular velocities of the links at the last evaluation \[rad/s\].
+    spin: Vec<f64>,
     /// Scratch: right-hand sides of the constraints.
     lack: [Numbers; 2],
     /// Scratch: directions of the links, cosines and sines.
@@ -53,7 +55,8 @@ impl IdealHinges {
             step_end: zeros(),
             takes_forces: false,
             gamma: 0.0,
-            open: padded(),
+            trial: vec![0.0; 3 * n],
+            spin: vec![0.0; n],
             lack: padded(),
             direction: [padded_zeros(n + WIDTH), padded_zeros(n + WIDTH)],
             ends: [(); 4].map(|()| padded_zeros(n + WIDTH)),
@@ -114,6 +117,8 @@ enum Level {
 /// An end at r from the centre x of its link is at x + r, and moves with v + ω × r and a + α × r - ω² r.
 struct WriteOpen<'a> {
     level: Level,
+    /// Factor of the offsets.
+    scale: f64,
     /// x, y and angle of the links, or their derivatives.
     of_links: [&'a [f64]; 3],
     /// ω of the links, for accelerations \[rad/s\].
@@ -155,13 +160,14 @@ impl WithSimd for WriteOpen<'_> {
             }
         }
         (rear_x[n], rear_y[n]) = (rear_x[0], rear_y[0]);
+        let scale = self.scale;
         let [open_x, open_y] = self.open;
         let (open_x, open_y) = (&mut open_x[..n], &mut open_y[..n]);
         let (front_x, front_y) = (&front_x[..n], &front_y[..n]);
         let (rear_x, rear_y) = (&rear_x[1..=n], &rear_y[1..=n]);
         for k in 0..n {
-            open_x[k] = front_x[k] - rear_x[k];
-            open_y[k] = front_y[k] - rear_y[k];
+            open_x[k] = scale * (front_x[k] - rear_x[k]);
+            open_y[k] = scale * (front_y[k] - rear_y[k]);
         }
     }
 }
@@ -243,7 +249,7 @@ impl Kernels {
         }
     }
 
-    /// Find what the accelerations of an evaluation lack; solve for the forces of the hinges unless they are given.
+    /// Solve for the forces of the hinges unless they are given, and keep the accelerations.
     pub(super) fn close_hinges(
         &mut self,
         model: &Model,
@@ -255,17 +261,18 @@ impl Kernels {
             return;
         };
         let n = model.links;
-        let spin = &y[model.coordinates + 2 * n..][..n];
-        self.instructions.run(WriteOpen {
-            level: Level::Accelerations,
-            of_links: of_links(accelerations, n),
-            spin,
-            direction: [&self.chain.cos, &self.chain.sin],
-            arm: &self.links.front_arm,
-            ends: &mut ideal.ends,
-            open: &mut ideal.open,
-        });
+        (ideal.spin).copy_from_slice(&y[model.coordinates + 2 * n..][..n]);
         if !ideal.takes_forces {
+            self.instructions.run(WriteOpen {
+                level: Level::Accelerations,
+                scale: 1.0,
+                of_links: of_links(accelerations, n),
+                spin: &ideal.spin,
+                direction: [&self.chain.cos, &self.chain.sin],
+                arm: &self.links.front_arm,
+                ends: &mut ideal.ends,
+                open: &mut ideal.lack,
+            });
             self.factorise(model, pawls, 0.0, true);
             if let Some(newton) = &mut self.newton {
                 ideal.change.fill(0.0);
@@ -273,7 +280,7 @@ impl Kernels {
                     model,
                     self.instructions,
                     &mut ideal.change,
-                    Some(&ideal.open),
+                    Some(&ideal.lack),
                 );
                 let changes = newton.changes_of_hinge_forces(n);
                 for (force, change) in ideal.force.iter_mut().zip(changes) {
@@ -285,11 +292,9 @@ impl Kernels {
                 for (acceleration, change) in accelerations.iter_mut().zip(&ideal.change) {
                     *acceleration += change;
                 }
-                for open in &mut ideal.open {
-                    open.fill(0.0);
-                }
             }
         }
+        ideal.trial.copy_from_slice(&accelerations[..3 * n]);
         self.ideal = Some(ideal);
     }
 
@@ -302,20 +307,20 @@ impl Kernels {
         let n = model.links;
         let direction = [&self.chain.cos[..n], &self.chain.sin[..n]];
         // The accelerations of the formula are those of the evaluation less residual/γ.
+        let over = 1.0 / ideal.gamma;
+        for (acceleration, residual) in ideal.trial.iter_mut().zip(&*residual) {
+            *acceleration -= over * residual;
+        }
         self.instructions.run(WriteOpen {
-            level: Level::Velocities,
-            of_links: of_links(residual, n),
-            spin: &self.chain.cos,
+            level: Level::Accelerations,
+            scale: ideal.gamma,
+            of_links: of_links(&ideal.trial, n),
+            spin: &ideal.spin,
             direction,
             arm: &self.links.front_arm,
             ends: &mut ideal.ends,
             open: &mut ideal.lack,
         });
-        for (lack, open) in ideal.lack.iter_mut().zip(&ideal.open) {
-            for (lack, open) in lack.iter_mut().zip(&**open) {
-                *lack = ideal.gamma * open - *lack;
-            }
-        }
         ideal.residual[..residual.len()].copy_from_slice(residual);
         newton.correct(model, self.instructions, residual, Some(&ideal.lack));
         self.instructions.run(TakeForces {
@@ -346,6 +351,7 @@ impl Kernels {
         for (level, coordinates) in [(Level::Positions, q), (Level::Velocities, v)] {
             self.instructions.run(WriteOpen {
                 level,
+                scale: 1.0,
                 of_links: of_links(coordinates, n),
                 spin: &ideal.direction[0],
                 direction,
