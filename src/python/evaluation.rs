@@ -109,7 +109,11 @@ fn put_joints(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
     let py = found.py();
     let hinges = &dynamics.evaluated.hinges;
     found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
-    let depths = hinges.penetration.clone();
+    let depths = if dynamics.model().hinges.ideal {
+        hinges.distances().collect()
+    } else {
+        hinges.penetration.clone()
+    };
     found.set_item("hinge_penetration", depths.into_pyarray(py))?;
     found.set_item(
         "hinge_force_vector",

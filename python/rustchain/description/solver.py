@@ -20,7 +20,8 @@ class Solver(Description):
         (Adams-Bashforth-Moulton, Shampine and Gordon 1975); stiff contacts limit its step size.
         "newton": Newton's method with the exact derivatives of all contacts; order 2, the
         trapezoidal rule, during stiff vibration of contacts, higher orders where the motion is
-        smooth. "auto": the cheaper of the two, switched during the run.
+        smooth. "auto": the cheaper of the two, switched during the run; with ideal hinges
+        always "newton".
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
         them is given, they replace `accuracy`; the other is then 1e-5. `rtol` may be 0.
@@ -31,8 +32,9 @@ class Solver(Description):
     accuracy : float
         Error tolerance of a step in lengths [m]. In speeds it is `accuracy` times 1e5/s, in angles
         the rotation that moves a point at half the pitch by `accuracy` (a sprocket's, at its pitch
-        radius). For comparison: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at
-        1e-3 to 1 m/s. Every tenth of it divides the energy residual by about three with "newton".
+        radius). Links on ideal hinges have half of it. For comparison: clearances of 25e-6 m,
+        penetrations of about 1e-6 m, impacts at 1e-3 to 1 m/s. Every tenth of it divides the
+        energy residual by about three with "newton".
 
     Examples
     --------

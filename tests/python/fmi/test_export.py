@@ -142,14 +142,9 @@ def test_wrong_arguments_are_refused(drive, tmp_path, change, message):
     assert not list(tmp_path.iterdir())
 
 
-def test_mechanisms_and_ideal_hinges_are_refused(drive, tmp_path):
-    ideal = rc.two_sprocket_drive("ANSI 40", teeth=(17, 25), links=60, speed=12.0, hinges="ideal")
-    for system, message in (
-        (ideal, "a drive with ideal hinges"),
-        (rc.Scene(drive.to_mechanism()), "a mechanism"),
-    ):
-        with pytest.raises(rc.InvalidInput, match=message):
-            rc.export_fmu(system, tmp_path / "drive.fmu")
+def test_mechanisms_are_refused(drive, tmp_path):
+    with pytest.raises(rc.InvalidInput, match="a mechanism; expected a drive"):
+        rc.export_fmu(rc.Scene(drive.to_mechanism()), tmp_path / "drive.fmu")
 
 
 def test_without_the_library_the_error_says_what_to_do(drive, tmp_path, monkeypatch):

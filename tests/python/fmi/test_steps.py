@@ -34,8 +34,11 @@ def set_in(simulation, name, value):
     getattr(simulation, method)(*arguments)
 
 
-def test_steps_have_the_bits_of_step_to(fmu, drive):
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+def test_steps_have_the_bits_of_step_to(drive, version, hinges, tmp_path):
     times, inputs = moved()
+    drive, fmu = replace(drive, hinges=hinges), tmp_path / "drive.fmu"
+    rc.export_fmu(drive, fmu, version=version)
     simulation = rc.Simulation(drive)
     with opened(fmu) as master:
         master.initialize()
