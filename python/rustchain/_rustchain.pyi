@@ -312,4 +312,3 @@ def mechanism_case(
     energy: bool | None = None,
 ) -> Case:
     """Return a mechanism and what to record of it, for an `Ensemble`."""
-

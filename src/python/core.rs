@@ -287,7 +287,7 @@ impl Core {
         let balance = self.simulation.balance_note().map(str::to_string);
         let range = match &self.simulation {
             AnySimulation::Drive(simulation) => simulation.range_notes(),
-            _ => Vec::new(),
+            AnySimulation::Mechanism(_) => Vec::new(),
         };
         let mut new = |notes: Vec<String>| {
             let new: Vec<String> = notes
@@ -319,7 +319,7 @@ impl Core {
     fn jumps(&self) -> &[ToothJump] {
         match &self.simulation {
             AnySimulation::Drive(simulation) => simulation.tooth_jumps(),
-            _ => &[],
+            AnySimulation::Mechanism(_) => &[],
         }
     }
 

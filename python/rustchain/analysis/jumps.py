@@ -24,10 +24,7 @@ def tooth_jumps(result: Result) -> pd.DataFrame:
 
     jumps = jumps_within(result)
     if jumps is None:
-        msg = (
-            "tooth_jumps: not counted in this run; expected a drive, run "
-            "or saved by this version"
-        )
+        msg = "tooth_jumps: not counted in this run; expected a drive, run or saved by this version"
         raise NotRecorded(msg)
     return pd.DataFrame(dict(zip(("time", "sprocket", "direction"), jumps, strict=True)))
 

@@ -154,7 +154,7 @@ def load_scene(path: str | Path) -> Scene:
     --------
     >>> rc.save_scene(rc.Scene(rc.paper_drive()), "drive.toml")
     >>> rc.load_scene("drive.toml").kind
-    'clearance'
+    'drive'
     """
     return SceneFile.read(path).scene
 

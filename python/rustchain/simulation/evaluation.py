@@ -47,7 +47,8 @@ class Evaluation(ArrayValue):
     contact_force_vector : ndarray, (contacts, 2)
         Of mechanisms: force on the circle [N].
     contact_gap, contact_region : ndarray of int, (contacts,)
-        Of mechanisms, of circles near teeth: the gap, from 0 (-1: none), and its region. Regions count from 1 along its outline (0: none); an ANSI gap has seven.
+        Of mechanisms, of circles near teeth: the gap, from 0 (-1: none), and its region. Regions
+        count from 1 along its outline (0: none); an ANSI gap has seven.
 
     Examples
     --------

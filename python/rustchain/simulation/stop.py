@@ -238,12 +238,11 @@ class ToothJump(StopCondition):
     def look_at(self, simulation: Simulation) -> Look:
         """Return the function that is called at each report of `simulation`."""
         which = self._one_of("sprocket", len(simulation.drive.sprockets))
-        jumps = simulation._core.tooth_jumps()
-        before = len(jumps[0])
+        jumps_of = simulation._core.tooth_jumps  # of a drive, which counts them
+        before = len((jumps_of() or [()])[0])
 
         def look() -> str | None:
-            jumps = simulation._core.tooth_jumps() or ()
-            time, sprocket, _ = (column[before:] for column in jumps)
+            time, sprocket, _ = (column[before:] for column in jumps_of() or ())
             own = (sprocket > which.start) & (sprocket <= which.stop)
             if not own.any():
                 return None

@@ -1,7 +1,7 @@
 //! Equations of motion: contacts -> forces -> accelerations.
 //!
 //! Accelerations are forces divided by masses, and the only linear system is that of the implicit corrector. Ideal hinges, whose forces
-//! are unknowns, use its factors (chain/rhs/ideal_hinges.rs).
+//! are unknowns, use its factors (`chain/rhs/ideal_hinges.rs`).
 
 mod bristles;
 mod checkpoint;

@@ -39,8 +39,8 @@ fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
     if model.hinges.ideal {
         let mut distances = dynamics.evaluated.hinges.distances().enumerate();
-        // A number that is none is no closed hinge.
-        let open = distances.find(|(_, apart)| !(*apart <= OPEN_IDEAL * model.half_pitch));
+        let closed = 0.0..=OPEN_IDEAL * model.half_pitch; // without NaN
+        let open = distances.find(|(_, apart)| !closed.contains(apart));
         return open.map_or(Ok(()), |(k, apart)| {
             Err(Error::invalid(
                 "positions",

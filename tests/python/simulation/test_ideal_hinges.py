@@ -260,7 +260,7 @@ def test_a_tensioner_force_that_is_set_is_that_of_a_tensioner_described_with_it(
 
 @pytest.mark.parametrize("friction", [None, rc.Coulomb(0.1)])
 def test_accelerations_and_hinge_forces_are_those_of_the_mechanism(friction):
-    """Two ways to the same solution: the chain's ring of 2x2 blocks, and sparse blocks of joints."""
+    """Two ways to the same solution: the chain's ring of blocks, and sparse blocks of joints."""
     law = rc.LankaraniNikravesh(friction=friction)
     simulation = rc.Simulation(DRIVE, tooth_law=law, solver=SOLVER, start="static")
     simulation.step_to(1e-3)
