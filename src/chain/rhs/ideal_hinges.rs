@@ -7,7 +7,7 @@
 //!   corrects velocities and forces together; its matrix is that of hinges with clearance, with zero compliance.
 //! - Any other evaluation solves for the forces by the same matrix with γ = 0, in which only inertias are left.
 //!
-//! At the end of each step positions and velocities are projected onto the constraints by the least change, weighted by the last matrix.
+//! After every fourth step positions and velocities are projected onto the constraints by the least change, weighted by the last matrix.
 
 use pulp::{Simd, WithSimd};
 
@@ -28,7 +28,7 @@ pub(crate) struct IdealHinges {
     pub(super) takes_forces: bool,
     /// γ of the factors of the implicit corrector.
     pub(super) gamma: f64,
-    /// Accelerations of the links at the last evaluation: x, y and angle.
+    /// Accelerations of the links at the last evaluation, or of the formula at the last correction: x, y and angle.
     trial: Vec<f64>,
     /// Angular velocities of the links at the last evaluation \[rad/s\].
     spin: Vec<f64>,
@@ -76,8 +76,8 @@ impl IdealHinges {
         self.step_end.clone_from(forces);
     }
 
-    /// Add the `changes` of a solution to the forces on the links: the geometric stiffness in the matrix follows from these.
-    fn add_changes(changes: [&[f64]; 2], chain: &mut ChainArrays) {
+    /// Correct the forces on the links by the `changes` of a solution: the geometric stiffness in the matrix follows from these forces.
+    fn correct_links(changes: [&[f64]; 2], chain: &mut ChainArrays) {
         for (axis, change) in changes.into_iter().enumerate() {
             let n = change.len() - 1;
             let (front, rear) = (&mut chain.front_force[axis], &mut chain.rear_force[axis]);
@@ -288,7 +288,7 @@ impl Kernels {
                         *force -= change;
                     }
                 }
-                IdealHinges::add_changes(changes, &mut self.chain);
+                IdealHinges::correct_links(changes, &mut self.chain);
                 for (acceleration, change) in accelerations.iter_mut().zip(&ideal.change) {
                     *acceleration += change;
                 }
