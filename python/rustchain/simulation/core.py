@@ -19,6 +19,7 @@ from rustchain.errors import InvalidInput
 from rustchain.typing import Array
 
 _FAR = 0.01  # displacement over the pitch that closes ideal hinges without a warning
+_FAST = 0.05  # change over the largest speed that does not open them without a warning
 
 
 def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
@@ -51,17 +52,26 @@ def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
         return core
     core = _rustchain.Core(scene, **place)
     if scene.drive.hinges == "ideal" and place["positions"] is not None:
-        _tell_of_moved_links(scene.drive, core.positions - place["positions"])
+        _tell_of_changes(scene.drive, core, place)
     return core
 
 
-def _tell_of_moved_links(drive: ChainDrive, moved: Array) -> None:
-    """Warn where links had to be moved far to close ideal hinges."""
+def _tell_of_changes(drive: ChainDrive, core: _rustchain.Core, place: Mapping[str, Any]) -> None:
+    """Warn where the start had to be changed much to close ideal hinges."""
+    moved = core.positions - place["positions"]
     farthest = np.hypot(moved[:, 0], moved[:, 1]).max()
     if farthest > _FAR * drive.chain.pitch:
         warn_caller(
             f"positions: links had to be moved by up to {farthest:.3e} m to close the ideal "
             "hinges: is each link placed where its hinges meet?"
+        )
+    given = np.hypot(place["velocities"][:, 0], place["velocities"][:, 1]).max()
+    changed = core.velocities - place["velocities"]
+    fastest = np.hypot(changed[:, 0], changed[:, 1]).max()
+    if fastest > _FAST * given:
+        warn_caller(
+            f"velocities: those of links had to be changed by up to {fastest:.3e} m/s to keep the "
+            "ideal hinges closed: does each hinge have one velocity?"
         )
 
 

@@ -50,6 +50,8 @@ impl SecondOrderSystem for Dynamics {
 
     fn accelerations_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.make_room_for_newton();
+        // Each attempt at a step begins with the same hinge forces, whatever a rejected one has found.
+        self.kernels.return_to_step_end();
         self.kernels.write_slopes(true);
         self.accelerations(t, y, dydt);
         self.kernels.write_slopes(false);

@@ -21,6 +21,7 @@ mod rollback;
 mod start_checks;
 mod system;
 
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 pub use bristles::{Bristles, Stored};
@@ -176,12 +177,19 @@ impl Dynamics {
         self.kernels.end_step();
     }
 
-    /// Close ideal hinges that a small move has opened, by the last matrix.
-    pub(crate) fn close_ideal_hinges_nearby(&mut self, y: &mut [f64]) {
-        for _ in 0..MOST_CLOSINGS {
-            if self.kernels.project_hinges(&self.model, y) <= CLOSED * self.model.half_pitch {
-                return;
+    /// Close ideal hinges that a small move has opened, by the last matrix; return false where this does not converge.
+    pub(crate) fn close_ideal_hinges_nearby(&mut self, y: &mut [f64]) -> bool {
+        let mut before = f64::INFINITY;
+        loop {
+            let open = self.kernels.project_hinges(&self.model, y);
+            if open <= CLOSED * self.model.half_pitch {
+                return true;
             }
+            // An offset that is not a number is not below the one before.
+            if open.partial_cmp(&before) != Some(Ordering::Less) {
+                return false;
+            }
+            before = open;
         }
     }
 

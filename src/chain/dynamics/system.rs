@@ -38,7 +38,6 @@ impl System for Dynamics {
     }
 
     fn begin_step(&mut self, adams: &mut Adams) {
-        self.kernels.return_to_step_end();
         self.follow_with_pawls(adams.y());
         self.unbend_parted(adams);
         self.forget_ended_contacts();

@@ -79,6 +79,8 @@ pub(crate) struct NewtonMatrix {
     sums: Vec<PartialSums>,
     /// Scratch: solutions of the links.
     unknowns: Border,
+    /// The same of a solution beside a step, where hinges are ideal.
+    spare: Border,
     /// Scratch: corrections of the links' ends.
     corrected: CorrectedEnds,
     /// Hinge forces of the border's columns, where hinges are ideal.
@@ -125,6 +127,11 @@ impl NewtonMatrix {
             sums: vec![PartialSums::default(); border],
             corner: Corner::new(border),
             unknowns: three(),
+            spare: if model.hinges.ideal {
+                three()
+            } else {
+                Vec::new()
+            },
             corrected: CorrectedEnds::new(n),
             forces_of_columns: if model.hinges.ideal {
                 vec![[(); 2].map(|()| hinge_numbers(n)); border]
@@ -179,6 +186,21 @@ impl NewtonMatrix {
         }
     }
 
+    /// Take away the velocities `lack` of ideal hinges, without forces; write the change of the velocities. The last correction of a step is
+    /// kept, from which the powers at its end follow.
+    pub(crate) fn close(
+        &mut self,
+        model: &Model,
+        instructions: InstructionSet,
+        change: &mut [f64],
+        lack: &[Numbers; 2],
+    ) {
+        change.fill(0.0);
+        std::mem::swap(&mut self.unknowns, &mut self.spare);
+        self.correct(model, instructions, change, Some(lack));
+        std::mem::swap(&mut self.unknowns, &mut self.spare);
+    }
+
     /// Return γ times the changes of the forces of `hinges` ideal hinges by the last correction, those on fronts with opposite sign; that of
     /// the last hinge precedes the first.
     pub(crate) fn changes_of_hinge_forces(&self, hinges: usize) -> [&[f64]; 2] {
@@ -221,7 +243,13 @@ impl NewtonMatrix {
         self.teeth.clear::<S, FRICTION>(simd);
         let supports = (evaluated.poses, evaluated.pawls);
         self.corner.start(model, supports, gamma);
-        for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
+        // With γ = 0 contacts have no effect, and may be those of an evaluation without slopes.
+        let sprockets: &[_] = if gamma > 0.0 {
+            &evaluated.candidates.sprockets
+        } else {
+            &[]
+        };
+        for (s, candidates) in sprockets.iter().enumerate() {
             self.motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
             let SprocketMotions { first, motions } = &self.motions[s];
             let among = AddTeeth::<FRICTION> {

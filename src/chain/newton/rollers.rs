@@ -72,6 +72,7 @@ impl RollerTerms {
             for part in parts::<S>() {
                 bound |= slopes.force.at(simd, part).exceeds(zero).any();
             }
+            bound &= gamma > 0.0; // as of the teeth
             group.meshes = teeth.touches(number * WIDTH);
             group.touches = bound || group.meshes;
             if bound {

@@ -275,13 +275,7 @@ impl Kernels {
             });
             self.factorise(model, pawls, 0.0, true);
             if let Some(newton) = &mut self.newton {
-                ideal.change.fill(0.0);
-                newton.correct(
-                    model,
-                    self.instructions,
-                    &mut ideal.change,
-                    Some(&ideal.lack),
-                );
+                newton.close(model, self.instructions, &mut ideal.change, &ideal.lack);
                 let changes = newton.changes_of_hinge_forces(n);
                 for (force, change) in ideal.force.iter_mut().zip(changes) {
                     for (force, change) in force.iter_mut().zip(&change[1..]) {
@@ -363,13 +357,7 @@ impl Kernels {
                 let all = ideal.lack.iter().flat_map(|lack| lack[..n].iter());
                 worst = all.fold(0.0, |worst, lack| lack.abs().max(worst));
             }
-            ideal.change.fill(0.0);
-            newton.correct(
-                model,
-                self.instructions,
-                &mut ideal.change,
-                Some(&ideal.lack),
-            );
+            newton.close(model, self.instructions, &mut ideal.change, &ideal.lack);
             for (coordinate, change) in coordinates.iter_mut().zip(&ideal.change) {
                 *coordinate += change;
             }

@@ -201,10 +201,14 @@ impl Resting for RestingDrive {
     }
 
     fn move_by(&mut self, share: f64, step: &[f64]) -> bool {
+        let before = self.y.clone();
         for (q, step) in self.y.iter_mut().zip(step) {
             *q += share * step;
         }
-        self.dynamics.close_ideal_hinges_nearby(&mut self.y);
-        true
+        let closed = self.dynamics.close_ideal_hinges_nearby(&mut self.y);
+        if !closed {
+            self.y = before;
+        }
+        closed
     }
 }

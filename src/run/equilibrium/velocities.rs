@@ -37,7 +37,7 @@ impl RestingDrive {
         }
     }
 
-    /// Perform one round, with positions after `moment` \[s\]; return false for a singular matrix.
+    /// Perform one round, with positions after `moment` \[s\]; return false for a singular matrix, or where ideal hinges do not close.
     fn take_out_approaches(&mut self, start: &mut InitialConfiguration, moment: f64) -> bool {
         let model = Arc::clone(self.dynamics.model());
         let coordinates = model.coordinates;
@@ -61,7 +61,9 @@ impl RestingDrive {
         for (v, change) in y[coordinates..].iter_mut().zip(&rates) {
             *v += change;
         }
-        self.dynamics.close_ideal_hinges_nearby(&mut y);
+        if !self.dynamics.close_ideal_hinges_nearby(&mut y) {
+            return false;
+        }
         self.places.read(&model, 0.0, &y);
         let before = std::mem::replace(&mut start.velocities, self.places.velocities());
         for (s, sprocket) in model.sprockets.iter().enumerate() {

@@ -8,7 +8,7 @@ import pytest
 import rustchain as rc
 from rustchain import _rustchain
 
-SOLVER = rc.Solver(accuracy=1e-9)
+SOLVER = rc.Solver(accuracy=3e-10)
 GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
 
 
