@@ -11,6 +11,7 @@ mod elastic_links;
 mod film;
 mod friction;
 mod guides;
+mod ideal_hinges;
 mod inputs;
 mod kernel_edges;
 mod kernels;

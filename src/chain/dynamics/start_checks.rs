@@ -1,6 +1,6 @@
 //! Checks of an initial configuration: finite numbers, closed hinges, agreement with supports, motors and ends.
 
-use super::Dynamics;
+use super::{CLOSED, Dynamics};
 use crate::chain::model::{Model, Rotation, Support};
 use crate::drive::MOST_CHAIN_SPEED;
 use crate::error::{Error, Result, check};
@@ -9,8 +9,6 @@ use crate::layout::InitialConfiguration;
 
 /// Distance of the centres of a hinge or a roller, over half the pitch, above which it counts as open.
 const OPEN: f64 = 0.1;
-/// Distance of the ends of an ideal hinge, over half the pitch, above which a start could not close it.
-const OPEN_IDEAL: f64 = 1e-9;
 /// Relative deviation of an initial velocity from a prescribed one or a guide path that counts as none: rounding. Prescribed velocities
 /// below 1 m/s or 1 rad/s permit it in these units.
 const VELOCITY_ROUNDING: f64 = 1e-9;
@@ -39,7 +37,7 @@ fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
     if model.hinges.ideal {
         let mut distances = dynamics.evaluated.hinges.distances().enumerate();
-        let closed = 0.0..=OPEN_IDEAL * model.half_pitch; // without NaN
+        let closed = 0.0..=CLOSED * model.half_pitch; // without NaN
         let open = distances.find(|(_, apart)| !closed.contains(apart));
         return open.map_or(Ok(()), |(k, apart)| {
             Err(Error::invalid(

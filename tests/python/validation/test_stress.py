@@ -175,6 +175,15 @@ def test_a_few_random_scenes_hold_every_bound():
     assert sum(outcome.outcome == "finished" for outcome in found) > 15
 
 
+@pytest.mark.parametrize("seed", [81592, 81594, 81814])
+def test_static_starts_of_ideal_hinges_shorten_moves_that_do_not_close(seed):
+    """With an indefinite matrix the projections of a long move diverge."""
+    scene = replace(Seeded(seed).trial().scene, start="static")
+    assert scene.drive.hinges == "ideal"
+    rest = rc.Simulation(scene).rest
+    assert rest["residual"] < 1e-6 * rest["largest_force"]
+
+
 def test_a_number_of_a_rich_scene_is_multiplied():
     path = ("system", "chain", "material", "elastic_modulus")
     job = extremes.Extreme("published", path, 1e-3)
