@@ -300,9 +300,12 @@ impl RollerTerms {
             for part in parts::<S>() {
                 let i = number * count + part;
                 let on_front = group.front_bushing.at(simd, part).greater(zero);
-                let front = three::<S, FRICTION>(simd, &fronts, i);
-                let rear = three::<S, FRICTION>(simd, &rears, i);
-                let bushing = [0, 1, 2].map(|axis| on_front.select(front[axis], rear[axis]));
+                // A closure over the axes would pass vectors through memory.
+                let mut bushing = [zero; 3];
+                for axis in 0..axes::<FRICTION>() {
+                    let (front, rear) = (&fronts[axis][i], &rears[axis][i]);
+                    bushing[axis] = on_front.select(load(simd, front), load(simd, rear));
+                }
                 let mut own = group.bound::<S, FRICTION>(simd, part, bushing);
                 if group.meshes {
                     self.take_border::<S, FRICTION>(simd, (number, part), border, &mut own);

@@ -3,10 +3,13 @@
 //! In a step of Newton's method an evaluation solves for the deflections. A deflection is its predicted value plus γ times its
 //! rate. For a given sliding velocity this is one linear scalar equation per contact.
 
+use std::ops::Range;
+
 use pulp::Simd;
 
 use super::Kernels;
-use crate::chain::model::Model;
+use crate::chain::contact::SprocketCandidates;
+use crate::chain::model::{BristlePlaces, Model};
 use crate::force_law::{Ahead, BristleLaw, LuGre};
 use crate::math::simd::{Lanes, Mask, Numbers, load, padded_zeros, vectors_mut};
 
@@ -84,12 +87,13 @@ impl BristleState {
         }
     }
 
-    /// Copy the deflections of one kind of contacts from `all`; `slots` are pairs of an index in its arrays and an index in `all`.
+    /// Copy the deflections of one kind of contacts from `all`; each piece has its first number in `all` and its slots in the arrays of
+    /// this kind.
     pub(crate) fn take(
         &mut self,
         kind: ContactKind,
         all: &[f64],
-        slots: impl Iterator<Item = (usize, usize)>,
+        pieces: impl IntoIterator<Item = (usize, Range<usize>)>,
     ) {
         let from = if self.gamma.is_some() {
             &self.predicted
@@ -97,8 +101,9 @@ impl BristleState {
             all
         };
         let to = &mut self.arrays[kind as usize].deflection;
-        for (slot, number) in slots {
-            to[slot] = from[number];
+        for (first, slots) in pieces {
+            let numbers = first..first + slots.len();
+            to[slots].copy_from_slice(&from[numbers]);
         }
     }
 
@@ -107,13 +112,14 @@ impl BristleState {
         &mut self,
         kind: ContactKind,
         rates: &mut [f64],
-        slots: impl Iterator<Item = (usize, usize)>,
+        pieces: impl IntoIterator<Item = (usize, Range<usize>)>,
     ) {
         let from = &self.arrays[kind as usize];
-        for (slot, number) in slots {
-            rates[number] = from.rate[slot];
+        for (first, slots) in pieces {
+            let numbers = first..first + slots.len();
+            rates[numbers.clone()].copy_from_slice(&from.rate[slots.clone()]);
             if self.gamma.is_some() {
-                self.solved[number] = from.deflection[slot];
+                self.solved[numbers].copy_from_slice(&from.deflection[slots]);
             }
         }
     }
@@ -222,62 +228,59 @@ impl<S: Simd> BristleLanes<'_, S> {
 impl Kernels {
     /// Copy the deflections of the bristles of hinges and rollers from the state, where there are any.
     pub(super) fn take_bristles(&mut self, model: &Model, y: &[f64], rates: &mut [f64]) {
-        let Some(bristles) = &mut self.bristles else {
-            return;
-        };
-        let places = &model.bristles;
-        let all = &y[model.coordinates..][places.all()];
-        bristles.begin(&mut rates[places.all()]);
-        let hinges = places.hinges.len();
-        bristles.take(ContactKind::Hinges, all, (0..hinges).map(|k| (k, k)));
-        let rollers = 0..places.rollers.len();
-        bristles.take(ContactKind::Rollers, all, rollers.map(|k| (k, hinges + k)));
+        if let Some(bristles) = &mut self.bristles {
+            let places = &model.bristles;
+            let all = &y[model.coordinates..][places.all()];
+            bristles.begin(&mut rates[places.all()]);
+            let [hinges, rollers] = joint_pieces(places);
+            bristles.take(ContactKind::Hinges, all, [hinges]);
+            bristles.take(ContactKind::Rollers, all, [rollers]);
+        }
     }
 
     /// Write the rates of the bristles of hinges and rollers into `rates`.
     pub(super) fn put_bristles(&mut self, model: &Model, rates: &mut [f64]) {
-        let Some(bristles) = &mut self.bristles else {
-            return;
-        };
-        let places = &model.bristles;
-        let rates = &mut rates[places.all()];
-        let hinges = places.hinges.len();
-        bristles.put(ContactKind::Hinges, rates, (0..hinges).map(|k| (k, k)));
-        let rollers = 0..places.rollers.len();
-        bristles.put(
-            ContactKind::Rollers,
-            rates,
-            rollers.map(|k| (k, hinges + k)),
-        );
+        if let Some(bristles) = &mut self.bristles {
+            let places = &model.bristles;
+            let rates = &mut rates[places.all()];
+            let [hinges, rollers] = joint_pieces(places);
+            bristles.put(ContactKind::Hinges, rates, [hinges]);
+            bristles.put(ContactKind::Rollers, rates, [rollers]);
+        }
     }
 
     /// Copy the deflections of the bristles of sprocket `s` from the state, where teeth have any.
     pub(super) fn take_tooth_bristles(&mut self, model: &Model, s: usize, y: &[f64]) {
         if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.teeth.bristles) {
-            let (n, places) = (model.links, &model.bristles);
-            let all = &y[model.coordinates..][places.all()];
-            let first = places.teeth.start - places.hinges.start + s * n;
-            let slots = self.candidates.sprockets[s].bushings(n);
-            bristles.take(
-                ContactKind::Teeth,
-                all,
-                slots.map(|(slot, k)| (slot, first + k)),
-            );
+            let all = &y[model.coordinates..][model.bristles.all()];
+            let pieces = tooth_pieces(model, s, &self.candidates.sprockets[s]);
+            bristles.take(ContactKind::Teeth, all, pieces);
         }
     }
 
     /// Write the rates of the bristles of sprocket `s` into `rates`.
     pub(super) fn put_tooth_bristles(&mut self, model: &Model, s: usize, rates: &mut [f64]) {
         if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.teeth.bristles) {
-            let (n, places) = (model.links, &model.bristles);
-            let rates = &mut rates[places.all()];
-            let first = places.teeth.start - places.hinges.start + s * n;
-            let slots = self.candidates.sprockets[s].bushings(n);
-            bristles.put(
-                ContactKind::Teeth,
-                rates,
-                slots.map(|(slot, k)| (slot, first + k)),
-            );
+            let rates = &mut rates[model.bristles.all()];
+            let pieces = tooth_pieces(model, s, &self.candidates.sprockets[s]);
+            bristles.put(ContactKind::Teeth, rates, pieces);
         }
     }
+}
+
+/// Return the first number and the slots of the bristles of all hinges, and of all rollers.
+fn joint_pieces(places: &BristlePlaces) -> [(usize, Range<usize>); 2] {
+    let hinges = places.hinges.len();
+    [(0, 0..hinges), (hinges, 0..places.rollers.len())]
+}
+
+/// Return the first number and the slots of the bristles of successive candidates of sprocket `s`.
+fn tooth_pieces(
+    model: &Model,
+    s: usize,
+    candidates: &SprocketCandidates,
+) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let places = &model.bristles;
+    let first = places.teeth.start - places.hinges.start + s * model.links;
+    (candidates.pieces(model.links)).map(move |(bushing, slots)| (first + bushing, slots))
 }

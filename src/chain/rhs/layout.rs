@@ -174,11 +174,20 @@ impl ChainArrays {
     ) {
         let n = spin.len();
         let (own, behind) = self.bushing_spin.split_at_mut(n);
-        for (k, bushing) in own.iter_mut().enumerate() {
-            let on_front = constants.bushing_on_front[k] > 0.0;
-            let rear = if k + 1 == n { 0 } else { k + 1 };
-            *bushing = spin[if on_front { k } else { rear }];
+        // Bushing k belongs to link k or to the next one. Slices of equal length: the loop is vectorized.
+        let (last, others) = (n - 1, own[..n - 1].iter_mut());
+        let links = spin
+            .iter()
+            .zip(&spin[1..])
+            .zip(&constants.bushing_on_front[..last]);
+        for (bushing, ((&here, &next), &on_front)) in others.zip(links) {
+            *bushing = if on_front > 0.0 { here } else { next };
         }
+        own[last] = spin[if constants.bushing_on_front[last] > 0.0 {
+            last
+        } else {
+            0
+        }];
         behind[..overhang].copy_from_slice(&own[..overhang]);
     }
 
