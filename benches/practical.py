@@ -132,7 +132,7 @@ def scenes() -> list[Practical]:
         Practical("17:25, film 0.1 Pa s", drive(LN(film=rc.LubricantFilm(0.1))), 0.02),
         Practical("17:25, Johnson, Hu-Guo", drive(rc.Johnson(damping="hu-guo")), 0.05),
         Practical("17:25, rollers as bodies", drive(rollers="bodies"), 0.05),
-        Practical("17:25, ideal hinges", drive(hinges="ideal"), 0.02),
+        Practical("17:25, ideal hinges", drive(hinges="ideal"), 0.1),
         Practical("timing drive, blade and rail", timing_drive, 0.1),
         Practical("conveyor, 402 links", lambda: example("conveyor_start"), 0.05),
         Practical("motorcycle at 60 km/h", lambda: example("motorcycle_chain"), 0.1),

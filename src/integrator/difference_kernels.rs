@@ -316,23 +316,16 @@ impl WithSimd for WeightedSquares<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let blocks = self.values.len() / S::F64_LANES;
-        let values = vectors::<S>(self.values, blocks);
-        let more = self.more.map(|more| vectors::<S>(more, blocks));
-        let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let parts = Squares::<S>::PARTS;
+        let n = self.values.len();
+        let values = SliceLanes::<S>::new(simd, self.values, n);
+        let more = self.more.map(|more| SliceLanes::<S>::new(simd, more, n));
+        let inverse_weight = SliceLanes::<S>::new(simd, self.inverse_weight, n);
         let mut sum = Squares::new(simd);
-        for group in (0..blocks).step_by(parts) {
-            for part in 0..parts {
-                let b = group + part;
-                if b >= blocks {
-                    break;
-                }
-                let own = load(simd, &values[b]);
-                let value = more.map_or(own, |more| own + load(simd, &more[b]));
-                sum.add(part, value * load(simd, &inverse_weight[b]));
-            }
-        }
+        each_vector!(S, n, |part, at| {
+            let own = values.get(at);
+            let value = more.as_ref().map_or(own, |more| own + more.get(at));
+            sum.add(part, value * inverse_weight.get(at));
+        });
         sum.total()
     }
 }

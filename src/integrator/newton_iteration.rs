@@ -78,9 +78,7 @@ impl Adams {
             if first {
                 // The ratio |r|/|Δ| measures the stiffness; later residuals are too small for that.
                 let residual = (system.stiffness_residual()).map_or(residual, |free| {
-                    let weights = &self.norm.inverse_weight[nq..2 * nq];
-                    let parts = free.iter().zip(weights);
-                    parts.map(|(r, weight)| (r * weight).powi(2)).sum()
+                    self.norm.squares_from(self.instructions, nq, free)
                 });
                 self.fastest
                     .record_correction(residual, applied.speeds, gamma);

@@ -126,6 +126,15 @@ impl ErrorNorm {
         self.of_sum(sum)
     }
 
+    /// Return the weighted sum of squares of `values`, which belong to the components from `first` on.
+    pub(super) fn squares_from(&self, set: InstructionSet, first: usize, values: &[f64]) -> f64 {
+        set.run(WeightedSquares {
+            values,
+            more: None,
+            inverse_weight: &self.inverse_weight[first..],
+        })
+    }
+
     /// Return the norm from a sum of weighted squares: Euclidean, as in DE/STEP, or a root mean square.
     pub(super) fn of_sum(&self, sum: f64) -> f64 {
         (sum * self.factor).sqrt()
@@ -222,6 +231,26 @@ mod tests {
         let sum = norm_of(&by_accuracy(1e-6), true).of_parts(set, &halves, Some(&values));
         near(sum, 1.5);
         near(norm_of(&by_accuracy(1e-6), true).of_sum(64.0), 4.0);
+    }
+
+    #[test]
+    fn a_part_of_the_components_has_its_own_weights() {
+        // Parts of every length, with and without whole vectors, on every instruction set.
+        let mut norm = ErrorNorm::new(40);
+        for (i, weight) in norm.inverse_weight[..40].iter_mut().enumerate() {
+            *weight = 1.0 + i as f64;
+        }
+        let values: Vec<f64> = (0..40).map(|i| f64::from(i) - 7.0).collect();
+        for set in InstructionSet::available() {
+            for (first, length) in [(0, 40), (3, 37), (5, 16), (9, 3), (20, 0)] {
+                let part = &values[first..first + length];
+                let expected: f64 = (first..first + length)
+                    .map(|i| (values[i] * (1.0 + i as f64)).powi(2))
+                    .sum();
+                // Whole numbers: sums are exact.
+                assert_eq!(norm.squares_from(set, first, part), expected);
+            }
+        }
     }
 
     #[test]

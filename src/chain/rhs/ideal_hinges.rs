@@ -217,6 +217,24 @@ impl WithSimd for TakeForces<'_> {
     }
 }
 
+/// Kernel that adds `factor` times `change` to `to`, vectorized by the compiler.
+struct AddScaled<'a> {
+    to: &'a mut [f64],
+    factor: f64,
+    change: &'a [f64],
+}
+
+impl WithSimd for AddScaled<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (to, change) in self.to.iter_mut().zip(self.change) {
+            *to += self.factor * change;
+        }
+    }
+}
+
 impl Kernels {
     /// Return to the forces of ideal hinges at the end of the last step: evaluations outside of the steps change them.
     pub(crate) fn return_to_step_end(&mut self) {
@@ -301,10 +319,11 @@ impl Kernels {
         let n = model.links;
         let direction = [&self.chain.cos[..n], &self.chain.sin[..n]];
         // The accelerations of the formula are those of the evaluation less residual/γ.
-        let over = 1.0 / ideal.gamma;
-        for (acceleration, residual) in ideal.trial.iter_mut().zip(&*residual) {
-            *acceleration -= over * residual;
-        }
+        self.instructions.run(AddScaled {
+            to: &mut ideal.trial,
+            factor: -1.0 / ideal.gamma,
+            change: residual,
+        });
         self.instructions.run(WriteOpen {
             level: Level::Accelerations,
             scale: ideal.gamma,
@@ -358,9 +377,11 @@ impl Kernels {
                 worst = all.fold(0.0, |worst, lack| lack.abs().max(worst));
             }
             newton.close(model, self.instructions, &mut ideal.change, &ideal.lack);
-            for (coordinate, change) in coordinates.iter_mut().zip(&ideal.change) {
-                *coordinate += change;
-            }
+            self.instructions.run(AddScaled {
+                to: coordinates,
+                factor: 1.0,
+                change: &ideal.change,
+            });
         }
         worst
     }
