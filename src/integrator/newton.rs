@@ -37,8 +37,18 @@ const REDUCTION_AFTER_ERROR: [f64; 2] = [0.2, 0.9];
 
 /// Smallest and largest factor of the step size after an accepted step of order one or two.
 ///
-/// Larger growth than 1.25 rejects more steps where contacts have kinks, and saves nothing (docs/performance/practical.md).
-const LOW_ORDER_CHANGE: [f64; 2] = [0.3, 1.25];
+/// Chosen by trial; effects of other values: docs/development/constants.md.
+const LOW_ORDER_CHANGE: [f64; 2] = [0.3, 2.0];
+
+/// Largest factor of the step size at order one or two in [`STEPS_OF_SLOW_GROWTH`] after a rejected step.
+///
+/// Larger growth rejects more steps where contacts have kinks (docs/performance/practical.md).
+const SLOW_GROWTH: f64 = 1.25;
+
+/// Accepted steps after a rejected one, behind [`STEPS_UNTIL_GROWTH`], in which the step size grows slowly.
+///
+/// Without a limit of their number, the first steps after each restart would grow slowly, too.
+const STEPS_OF_SLOW_GROWTH: u32 = 60;
 
 /// Factors of the step size between which it is kept: equal steps keep their coefficients.
 ///
@@ -48,8 +58,8 @@ const KEPT: [f64; 2] = [0.9, 1.15];
 /// Accepted steps after a rejected one before the step size may grow again.
 ///
 /// The trapezoidal rule does not damp an overdamped contact: its error is small in every other step. A step that grew there was rejected
-/// next: 29 % of all steps of a motorcycle drive at 1e-9 m, 6 % with four steps. Twelve steps are too careful with Coulomb's friction,
-/// whose kinks are not alike.
+/// next: 29 % of all steps of a motorcycle drive at 1e-9 m, 6 % with four steps. Twelve steps were too careful with Coulomb's friction,
+/// whose kinks are not alike (both before [`SLOW_GROWTH`]).
 const STEPS_UNTIL_GROWTH: u32 = 4;
 
 /// Order above which steps have to be stable for the fastest rate; orders one and two are A-stable.
@@ -168,13 +178,13 @@ impl Adams {
         self.next.order = order;
         // Low orders follow the error; high orders keep equal steps for their coefficients.
         let size = if order <= A_STABLE {
-            let size = low_order_step(h, order, error);
-            if self.next.steps_until_growth > 0 {
-                self.next.steps_until_growth -= 1;
-                size.min(h)
-            } else {
-                size
-            }
+            let most = match self.next.steps_of_limited_growth {
+                0 => LOW_ORDER_CHANGE[1],
+                1..=STEPS_OF_SLOW_GROWTH => SLOW_GROWTH,
+                _ => 1.0,
+            };
+            self.next.steps_of_limited_growth = self.next.steps_of_limited_growth.saturating_sub(1);
+            low_order_step(h, order, error).min(most * h)
         } else {
             choose_step(h, order, error)
         };
@@ -227,7 +237,7 @@ impl Adams {
     ) -> Result<(), StepFailure> {
         self.counts.rejected += 1;
         self.next.growing = false;
-        self.next.steps_until_growth = STEPS_UNTIL_GROWTH;
+        self.next.steps_of_limited_growth = STEPS_UNTIL_GROWTH + STEPS_OF_SLOW_GROWTH;
         // Evaluations leave the rates of the coordinates out; a failure names its worst component from them.
         let vectors = &mut self.vectors;
         vectors.derivative[..nq].copy_from_slice(&vectors.trial[nq..2 * nq]);

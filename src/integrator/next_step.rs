@@ -33,8 +33,8 @@ pub(super) struct NextStep {
     smallest: f64,
     /// Start phase: order and step size grow with every step as long as the solution is smooth.
     pub(super) growing: bool,
-    /// Number of accepted implicit steps until the step size may grow again.
-    pub(super) steps_until_growth: u32,
+    /// Number of accepted implicit steps at order one or two until the growth of the step size is not limited by a rejected one any more.
+    pub(super) steps_of_limited_growth: u32,
 }
 
 impl NextStep {
@@ -45,7 +45,7 @@ impl NextStep {
             longest: f64::INFINITY,
             smallest: 0.0,
             growing: true,
-            steps_until_growth: 0,
+            steps_of_limited_growth: 0,
         }
     }
 
@@ -66,6 +66,7 @@ impl NextStep {
         self.size = h.max(self.smallest);
         self.order = 1;
         self.growing = true;
+        self.steps_of_limited_growth = 0;
     }
 
     /// Limit the next step, the first one included, to `longest` \[s\].

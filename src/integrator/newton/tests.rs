@@ -74,7 +74,7 @@ fn order_two_in_place_of_one_takes_the_step_size_of_its_own_error() {
         adams.step_newton(&mut system).unwrap();
     }
     // Order one has half of the error, but it is not taken: the step size has to follow from the error of order two.
-    adams.next.steps_until_growth = 0;
+    adams.next.steps_of_limited_growth = 0;
     (adams.history.last_order, adams.history.last_step_size) = (2, adams.next.size);
     let estimate = ErrorEstimate {
         local: 1.0,
@@ -380,18 +380,27 @@ fn an_order_above_the_permitted_ones_falls_with_the_error_of_the_order_it_takes(
 }
 
 #[test]
-fn a_step_does_not_grow_in_four_steps_after_a_rejected_one() {
+fn a_step_does_not_grow_in_four_steps_after_a_rejected_one_and_grows_slowly_in_sixty() {
     let mut adams = behind_step(2, 5, 2);
-    adams.next.steps_until_growth = STEPS_UNTIL_GROWTH;
+    adams.next.steps_of_limited_growth = STEPS_UNTIL_GROWTH + STEPS_OF_SLOW_GROWTH;
     let estimate = ErrorEstimate {
         local: 1e-3,
         ..errors(1.0, 1.0)
     };
-    let sizes = [(); 5].map(|()| {
+    let sizes = [(); 66].map(|()| {
         adams.choose_implicit_order_and_step(&estimate, 0.0);
         adams.next.size
     });
-    assert_eq!(sizes, [1.0, 1.0, 1.0, 1.0, LOW_ORDER_CHANGE[1]]);
+    assert_eq!(sizes[..5], [1.0, 1.0, 1.0, 1.0, SLOW_GROWTH]);
+    assert_eq!(
+        sizes[62..],
+        [
+            SLOW_GROWTH,
+            SLOW_GROWTH,
+            LOW_ORDER_CHANGE[1],
+            LOW_ORDER_CHANGE[1]
+        ]
+    );
 }
 
 #[test]
@@ -428,7 +437,11 @@ fn a_step_that_cannot_be_shorter_names_the_component_with_the_largest_error() {
     );
     // Rates of the coordinates are the velocities of the last iterate.
     assert_eq!(adams.vectors.derivative[0], adams.vectors.trial[1]);
-    assert!(adams.next.steps_until_growth == STEPS_UNTIL_GROWTH && !adams.next.growing);
+    assert_eq!(
+        adams.next.steps_of_limited_growth,
+        STEPS_UNTIL_GROWTH + STEPS_OF_SLOW_GROWTH
+    );
+    assert!(!adams.next.growing);
 }
 
 #[test]
