@@ -295,15 +295,16 @@ impl Kernels {
             if let Some(newton) = &mut self.newton {
                 newton.close(model, self.instructions, &mut ideal.change, &ideal.lack);
                 let changes = newton.changes_of_hinge_forces(n);
-                for (force, change) in ideal.force.iter_mut().zip(changes) {
-                    for (force, change) in force.iter_mut().zip(&change[1..]) {
-                        *force -= change;
-                    }
+                for (to, change) in ideal.force.iter_mut().zip(changes) {
+                    let (factor, change) = (-1.0, &change[1..]);
+                    self.instructions.run(AddScaled { to, factor, change });
                 }
                 IdealHinges::correct_links(changes, &mut self.chain);
-                for (acceleration, change) in accelerations.iter_mut().zip(&ideal.change) {
-                    *acceleration += change;
-                }
+                self.instructions.run(AddScaled {
+                    to: accelerations,
+                    factor: 1.0,
+                    change: &ideal.change,
+                });
             }
         }
         ideal.trial.copy_from_slice(&accelerations[..3 * n]);

@@ -183,11 +183,8 @@ impl ChainArrays {
         for (bushing, ((&here, &next), &on_front)) in others.zip(links) {
             *bushing = if on_front > 0.0 { here } else { next };
         }
-        own[last] = spin[if constants.bushing_on_front[last] > 0.0 {
-            last
-        } else {
-            0
-        }];
+        let on_front = constants.bushing_on_front[last] > 0.0;
+        own[last] = spin[if on_front { last } else { 0 }];
         behind[..overhang].copy_from_slice(&own[..overhang]);
     }
 
