@@ -125,14 +125,14 @@ impl<S: System> Recorder<S> {
 
     /// Return whether largest forces between two reports are recorded.
     pub(crate) fn has_peaks(&self) -> bool {
-        self.peaks.iter().any(|peaks| !peaks.arriving.is_empty())
+        self.peaks.iter().any(|peaks| !peaks.is_empty())
     }
 
     /// Store the forces of the last evaluation, at the end of a step, before reports within the step are evaluated.
     pub(crate) fn keep_step_forces(&mut self, system: &S) {
         for (kind, peaks) in self.peaks.iter_mut().enumerate() {
-            if !peaks.arriving.is_empty() {
-                system.write_peak_forces(kind, &mut peaks.arriving);
+            if !peaks.is_empty() {
+                system.write_peak_forces(kind, peaks.arriving());
             }
         }
     }
@@ -149,7 +149,7 @@ impl<S: System> Recorder<S> {
 
     /// Include the stored forces in the peaks.
     pub(crate) fn take_step_forces(&mut self, t: f64) {
-        for peaks in &mut self.peaks {
+        for peaks in self.peaks.iter_mut().filter(|peaks| !peaks.is_empty()) {
             peaks.arrive(t);
         }
     }

@@ -2,43 +2,35 @@
 
 use pulp::{Simd, WithSimd};
 
-use crate::math::simd::InstructionSet;
+use crate::math::simd::{
+    InstructionSet, Lanes, Numbers, WIDTH, packs, packs_mut, padded_zeros, part_of, parts, put_part,
+};
 
 /// Largest force and impulse of each contact of a kind since the last report.
 #[derive(Debug, Clone)]
 pub struct Peaks {
-    instructions: InstructionSet,
-    time: f64,
-    last: Vec<f64>,
-    /// Forces at the end of the present step.
-    pub(crate) arriving: Vec<f64>,
-    force: Vec<f64>,
-    impulse: Vec<f64>,
+    contacts: usize,
+    /// Forces at the end of the present step, and those of a report; zero behind the contacts.
+    arriving: Numbers,
+    reported: Numbers,
+    interval: Interval,
 }
 
-impl Peaks {
-    pub(crate) fn new(contacts: usize, t: f64) -> Self {
-        let zeros = || vec![0.0; contacts];
-        Self {
-            instructions: InstructionSet::detect(),
-            time: t,
-            last: zeros(),
-            arriving: zeros(),
-            force: zeros(),
-            impulse: zeros(),
-        }
-    }
+/// Time since the last report. Arrays are padded, with zeros behind the contacts.
+#[derive(Debug, Clone)]
+struct Interval {
+    instructions: InstructionSet,
+    /// Time of the last forces.
+    time: f64,
+    last: Numbers,
+    force: Numbers,
+    impulse: Numbers,
+}
 
-    /// Include the forces stored for time `t`.
-    pub(crate) fn arrive(&mut self, t: f64) {
-        let forces = std::mem::take(&mut self.arriving);
-        self.account(t, &forces);
-        self.arriving = forces;
-    }
-
-    /// Add the trapezoid between the previous forces and these to the impulses.
-    fn account(&mut self, t: f64, forces: &[f64]) {
-        self.instructions.run(Account {
+impl Interval {
+    /// Include these forces, and add the trapezoid between the last ones and these to the impulses.
+    fn include(&mut self, t: f64, forces: &[f64]) {
+        self.instructions.run(Include {
             half_time: 0.5 * (t - self.time),
             forces,
             last: &mut self.last,
@@ -47,26 +39,67 @@ impl Peaks {
         });
         self.time = t;
     }
+}
+
+impl Peaks {
+    pub(crate) fn new(contacts: usize, t: f64) -> Self {
+        let zeros = || padded_zeros(contacts);
+        Self {
+            contacts,
+            arriving: zeros(),
+            reported: zeros(),
+            interval: Interval {
+                instructions: InstructionSet::detect(),
+                time: t,
+                last: zeros(),
+                force: zeros(),
+                impulse: zeros(),
+            },
+        }
+    }
+
+    /// Return whether there is no contact.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.contacts == 0
+    }
+
+    /// Return the forces at the end of the present step, to be written.
+    pub(crate) fn arriving(&mut self) -> &mut [f64] {
+        &mut self.arriving[..self.contacts]
+    }
+
+    /// Include the forces stored for time `t`.
+    pub(crate) fn arrive(&mut self, t: f64) {
+        self.interval.include(t, &self.arriving);
+    }
 
     /// End an interval with the forces of a report at `t`; return largest forces and impulses, which are zero at the `first` report.
     pub(crate) fn close(&mut self, t: f64, forces: &[f64], first: bool) -> [&[f64]; 2] {
-        self.account(t, forces);
+        self.reported[..self.contacts].copy_from_slice(forces);
+        self.interval.include(t, &self.reported);
+        let Interval { force, impulse, .. } = &mut self.interval;
         if first {
-            self.force.fill(0.0);
-            self.impulse.fill(0.0);
+            force.fill(0.0);
+            impulse.fill(0.0);
         }
-        [&self.force, &self.impulse]
+        [&force[..self.contacts], &impulse[..self.contacts]]
     }
 
     /// Begin the next interval with the last forces.
     pub(crate) fn begin_interval(&mut self) {
-        self.force.copy_from_slice(&self.last);
-        self.impulse.fill(0.0);
+        let Interval {
+            last,
+            force,
+            impulse,
+            ..
+        } = &mut self.interval;
+        force.copy_from_slice(last);
+        impulse.fill(0.0);
     }
 }
 
-/// Kernel of [`Peaks::account`], which runs after each step.
-struct Account<'a> {
+/// Kernel of [`Interval::include`], which runs after each step.
+struct Include<'a> {
     half_time: f64,
     forces: &'a [f64],
     last: &'a mut [f64],
@@ -74,20 +107,30 @@ struct Account<'a> {
     impulses: &'a mut [f64],
 }
 
-impl WithSimd for Account<'_> {
+impl WithSimd for Include<'_> {
     type Output = ();
 
-    /// Two plain loops that the compiler vectorizes for the instruction set. A comparison is one instruction, `max` is several.
     #[inline(always)]
     #[allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
-    fn with_simd<S: Simd>(self, _: S) {
-        for (largest, &force) in self.largest.iter_mut().zip(self.forces) {
-            *largest = if force > *largest { force } else { *largest };
-        }
-        let steps = self.last.iter_mut().zip(self.forces);
-        for (impulse, (last, &force)) in self.impulses.iter_mut().zip(steps) {
-            *impulse += self.half_time * (*last + force);
-            *last = force;
+    fn with_simd<S: Simd>(self, simd: S) {
+        let count = self.forces.len() / WIDTH;
+        let (forces, last) = (packs(self.forces, count), packs_mut(self.last, count));
+        let (largest, impulses) = (
+            packs_mut(self.largest, count),
+            packs_mut(self.impulses, count),
+        );
+        let half_time = Lanes::splat(simd, self.half_time);
+        for number in 0..count {
+            for part in parts::<S>() {
+                let force = part_of(simd, &forces[number], part);
+                let before = part_of(simd, &largest[number], part);
+                let larger = force.greater(before).select(force, before);
+                put_part(&mut largest[number], part, larger);
+                let sum = half_time * (part_of(simd, &last[number], part) + force);
+                let impulse = part_of(simd, &impulses[number], part) + sum;
+                put_part(&mut impulses[number], part, impulse);
+                put_part(&mut last[number], part, force);
+            }
         }
     }
 }
@@ -106,12 +149,12 @@ mod tests {
         };
         assert_eq!(close(&mut peaks, 1.0, 3.0, true), (0.0, 0.0));
         for (t, force) in [(1.5, 5.0), (2.0, 1.0)] {
-            peaks.arriving[0] = force;
+            peaks.arriving()[0] = force;
             peaks.arrive(t);
         }
         assert_eq!(close(&mut peaks, 3.0, 2.0, false), (5.0, 2.0 + 1.5 + 1.5));
         // A report within a step precedes the end of the step.
-        peaks.arriving[0] = 8.0;
+        peaks.arriving()[0] = 8.0;
         assert_eq!(close(&mut peaks, 4.0, 4.0, false), (4.0, 3.0));
         peaks.arrive(5.0);
         assert_eq!(close(&mut peaks, 6.0, 0.0, false), (8.0, 10.0));

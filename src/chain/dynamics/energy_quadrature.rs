@@ -56,7 +56,7 @@ impl Dynamics {
         // Evaluations inside the step come after this: the answer is that of the step's last one.
         let smooth = !self.kernels.changed();
         let corrected = adams.correction_after_evaluation();
-        let by_slopes = smooth && self.has_power_slopes();
+        let by_slopes = self.has_power_slopes();
         if let Some(correction) = corrected.filter(|_| by_slopes) {
             self.correct_powers((step.end, adams.y()), correction);
         }

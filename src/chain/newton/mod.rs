@@ -240,7 +240,7 @@ impl NewtonMatrix {
         evaluated: &Evaluated,
         gamma: f64,
     ) {
-        self.teeth.clear::<S, FRICTION>(simd);
+        self.teeth.clear::<FRICTION>(model.links);
         let supports = (evaluated.poses, evaluated.pawls);
         self.corner.start(model, supports, gamma);
         // With γ = 0 contacts have no effect, and may be those of an evaluation without slopes.
@@ -252,7 +252,7 @@ impl NewtonMatrix {
         for (s, candidates) in sprockets.iter().enumerate() {
             self.motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
             let SprocketMotions { first, motions } = &self.motions[s];
-            let among = AddTeeth::<FRICTION> {
+            AddTeeth::<FRICTION> {
                 gamma,
                 pose: &evaluated.poses[s],
                 candidates,
@@ -262,16 +262,7 @@ impl NewtonMatrix {
                 first: *first,
                 bushing_radius: model.teeth.contact_radius,
             }
-            .add(simd, &mut self.teeth);
-            for (i, row) in among.iter().enumerate().take(motions.len()) {
-                for (j, &entry) in row.iter().enumerate().take(motions.len()).skip(i) {
-                    self.corner.add(first + i, first + j, entry);
-                    // The matrix is symmetric; tooth kernels return the upper triangle.
-                    if i < j {
-                        self.corner.add(first + j, first + i, entry);
-                    }
-                }
-            }
+            .add(simd, &mut self.teeth, &mut self.corner);
         }
         let overhang = evaluated.candidates.overhang;
         self.teeth

@@ -224,30 +224,32 @@ impl Ring {
     fn eliminate<S: Simd>(&mut self, simd: S, left: &mut Left<S>) {
         let last = self.count - 1;
         for part in parts::<S>() {
-            let mut own = Symmetric::read(simd, &self.places[0].own, part);
-            let mut edge = Block::read(simd, &self.places[0].before, part);
-            let mut to_last = Symmetric::zero(simd);
+            let places = &mut self.places[..=last];
             // With E the coupling of place j with the last hinge of the previous part, S and E already reduced: f_j = S⁻¹ r_j - S⁻¹
             // C_(j+1)^T f_(j+1) - S⁻¹ E f_last. Hinge j + 1 gets S_(j+1) - C_(j+1) S⁻¹ C_(j+1)^T and E' = -C_(j+1) S⁻¹ E. The last
-            // hinge of the previous part loses E^T S⁻¹ E.
+            // hinge of the previous part loses E^T S⁻¹ E. Two loops, for S and for E: one needs more registers than AVX2 has.
+            let mut own = Symmetric::read(simd, &places[0].own, part);
             for j in 0..last {
                 let inverse = own.inverse(&mut left.irregular);
-                let coupling = Block::read(simd, &self.places[j + 1].before, part);
+                let coupling = Block::read(simd, &places[j + 1].before, part);
                 let next = inverse.times_transposed(&coupling);
-                let from_last = inverse.times_block(&edge);
-                own = Symmetric::read(simd, &self.places[j + 1].own, part);
+                own = Symmetric::read(simd, &places[j + 1].own, part);
                 own.sub_product(&coupling, &next);
+                write(&mut places[j].own, part, inverse.0);
+                write(&mut places[j].next, part, next.0);
+            }
+            let mut edge = Block::read(simd, &places[0].before, part);
+            let mut to_last = Symmetric::zero(simd);
+            let mut direct = Block::read(simd, &self.direct, part);
+            for j in 0..last {
+                let inverse = Symmetric::read(simd, &places[j].own, part);
+                let coupling = Block::read(simd, &places[j + 1].before, part);
+                let from_last = inverse.times_block(&edge);
                 to_last.add(&edge, &from_last);
-                edge = if j == 0 {
-                    Block::read(simd, &self.direct, part)
-                } else {
-                    Block::zero(simd)
-                };
+                edge = direct;
                 edge.sub_product(&coupling, &from_last);
-                let place = &mut self.places[j];
-                write(&mut place.own, part, inverse.0);
-                write(&mut place.next, part, next.0);
-                write(&mut place.before, part, from_last.0);
+                direct = Block::zero(simd);
+                write(&mut places[j].before, part, from_last.0);
             }
             left.own[part] = own;
             left.edge[part] = edge;

@@ -3,6 +3,7 @@
 
 use pulp::Simd;
 
+use super::border::Corner;
 use super::contacts::{BASE, scaled};
 use super::tooth_motion::{BorderMotion, MOST, ToothMotion};
 use crate::chain::contact::SprocketCandidates;
@@ -58,22 +59,13 @@ impl ToothTerms {
         }
     }
 
-    /// Set all terms to zero: those of marked groups, and the copy of the last bushing.
+    /// Set the terms of all groups of `links` bushings to zero. Terms behind them are zero since [`Self::fold_overhang`].
     #[inline(always)]
-    pub(super) fn clear<S: Simd, const FRICTION: bool>(&mut self, simd: S) {
-        let zero = Lanes::splat(simd, 0.0);
-        for number in 0..self.touched.len() {
-            let behind_base = number >= BASE / WIDTH;
-            if behind_base && !std::mem::take(&mut self.touched[number - BASE / WIDTH]) {
-                continue;
-            }
-            each_array!(self, FRICTION, |array| {
-                let pack = &mut array.as_chunks_mut::<WIDTH>().0[number];
-                for part in parts::<S>() {
-                    put_part(pack, part, zero);
-                }
-            });
-        }
+    pub(super) fn clear<const FRICTION: bool>(&mut self, links: usize) {
+        self.touched.fill(false);
+        each_array!(self, FRICTION, |array| {
+            array[..BASE + padded(links)].fill(0.0);
+        });
     }
 
     /// Mark the group with bushing `k`.
@@ -150,11 +142,11 @@ pub(super) struct AddTeeth<'a, const FRICTION: bool> {
 }
 
 impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
-    /// Add all candidates to `terms`. Return the entries of the sprocket's coordinates among themselves, on and above the diagonal.
+    /// Add all candidates to `terms`, and the entries of the sprocket's coordinates among themselves to `corner`.
     #[inline(always)]
-    pub(super) fn add<S: Simd>(&self, simd: S, terms: &mut ToothTerms) -> [[f64; MOST]; MOST] {
+    pub(super) fn add<S: Simd>(&self, simd: S, terms: &mut ToothTerms, corner: &mut Corner) {
         let zero = Lanes::splat(simd, 0.0);
-        let mut corner = [[PartialSums::default(); MOST]; MOST];
+        let mut among = [[PartialSums::default(); MOST]; MOST];
         for run in &self.candidates.runs {
             let vectors = run.length.div_ceil(S::F64_LANES);
             let groups = run.length.div_ceil(WIDTH);
@@ -205,11 +197,20 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
                     touched[group.div_ceil(WIDTH)] = true;
                     terms.hold::<S, FRICTION>((number, part), &tooth);
                     let place = (number, part);
-                    terms.couple::<S, FRICTION>(place, &tooth, self.motions, &mut corner);
+                    terms.couple::<S, FRICTION>(place, &tooth, self.motions, &mut among);
                 }
             }
         }
-        totals(&corner, self.motions.len())
+        // The matrix is symmetric: entries on and above the diagonal are enough.
+        for j in 0..self.motions.len().min(MOST) {
+            for i in 0..=j {
+                let entry = among[i][j].total();
+                corner.add(self.first + i, self.first + j, entry);
+                if i < j {
+                    corner.add(self.first + j, self.first + i, entry);
+                }
+            }
+        }
     }
 
     /// Return one vector of bushings in contact, with these centres \[m\], normal forces \[N\] and, for `FRICTION`, slopes of friction.
@@ -323,18 +324,6 @@ impl TermsOfRun<'_> {
             }
         }
     }
-}
-
-/// Return the entries on and above the diagonal of the first `count` rows.
-#[inline(always)]
-fn totals(corner: &[[PartialSums; MOST]; MOST], count: usize) -> [[f64; MOST]; MOST] {
-    let mut totals = [[0.0; MOST]; MOST];
-    for i in 0..count.min(MOST) {
-        for j in i..count.min(MOST) {
-            totals[i][j] = corner[i][j].total();
-        }
-    }
-    totals
 }
 
 /// Add `entry` to one vector of an array, pack and part.

@@ -90,19 +90,21 @@ fn a_power_that_is_nearly_a_parabola_takes_one_evaluation() {
 fn a_power_that_begins_within_a_step_takes_more_panels() {
     let power = |begin: f64| move |t: f64| f64::max(t - begin, 0.0).powf(1.5);
     let mut largest = [0.0f64; 2];
-    for begin in [0.1, 0.5, 0.9, 1.3, 1.7] {
+    for begin in [0.1, 0.9, 1.3, 1.7] {
         // A first step without power, then one in which it begins; errors over the largest power times the length.
         let exact = f64::powf(2.0 - begin, 2.5) / 2.5;
         let scale = 2.0 * power(begin)(2.0);
-        for (largest, fineness) in largest.iter_mut().zip([0, 1]) {
-            let quadrature = metered(fineness, power(begin));
-            *largest = largest.max((quadrature.energies(2.0).0 - exact).abs() / scale);
-            assert_eq!(quadrature.evaluations() > 3 + 1, fineness == 0, "{begin}");
+        let [adapted, single] = [0, 1].map(|fineness| metered(fineness, power(begin)));
+        let errors = [&adapted, &single].map(|found| (found.energies(2.0).0 - exact).abs() / scale);
+        let needs_more = errors[1] > ACCEPTED_ERROR;
+        assert_eq!(adapted.evaluations() > 3 + 1, needs_more, "{begin}");
+        for (largest, error) in largest.iter_mut().zip(errors) {
+            *largest = largest.max(error);
         }
     }
     // At a kink the error falls by less than a sixteenth when panels are halved: a few times the accepted one is left.
     assert!(largest[0] < 4.0 * ACCEPTED_ERROR, "{largest:?}");
-    assert!(largest[1] > 50.0 * ACCEPTED_ERROR, "{largest:?}");
+    assert!(largest[1] > 10.0 * ACCEPTED_ERROR, "{largest:?}");
 }
 
 #[test]
@@ -139,9 +141,9 @@ fn a_step_has_four_panels_at_most_and_two_where_their_error_is_accepted() {
     };
     // One and two panels differ by 0.2 of the largest power times the length.
     assert_eq!(evaluations(|t| if t < 1.3 { 0.0 } else { 1.0 }), 7);
-    // The mean of t^4 from 0 to 2 is 3.2; one panel gives 3.333 and two give 3.208. A fifteenth of the difference is 0.05 % of the largest
-    // power, and the whole difference 0.8 %; 0.2 % are accepted.
-    assert_eq!(evaluations(|t| t.powi(4)), 3);
+    // The mean of t^6 from 0 to 2 is 9.14; one panel gives 11.33 and two give 9.30. A fifteenth of the difference is 0.2 % of the largest
+    // power, and the whole difference 3.2 %; 0.5 % is accepted.
+    assert_eq!(evaluations(|t| t.powi(6)), 3);
 }
 
 #[test]
@@ -250,8 +252,8 @@ fn the_error_of_half_a_step_is_that_of_a_cubic() {
         assert!((64.0 * error.0 - 1.0).abs() < 1e-12, "{place}: {}", error.0);
         assert!((error.1 / error.0 - 2.0).abs() < 1e-12);
     }
-    assert_eq!(decisive(&Both(-3e-3, 1.0)), 0.01);
-    assert_eq!(decisive(&Both(1e-3, -2.0)), 0.02);
+    assert_eq!(decisive(&Both(-1e-3, 1.0)), EXTERNAL_SHARE);
+    assert_eq!(decisive(&Both(1e-3, -2.0)), 2.0 * EXTERNAL_SHARE);
     assert_eq!(decisive(&Both(-3e-2, -1.0)), 0.03);
 }
 
