@@ -202,12 +202,13 @@ def all_features(rounds: int, lead: float, duration: float) -> list[dict[str, ob
 def row(
     runs: dict[tuple[float, str], list[dict[str, float]]], pretension: float, name: str
 ) -> dict[str, object]:
-    """Return medians of a feature, and quartiles of the ratios to the default, round by round."""
+    """Return medians of a feature, and quartiles of the ratios of its time to that of the default."""
     own, base = runs[pretension, name], runs[pretension, "default"]
     median = {key: statistics.median(one[key] for one in own) for key in ("time", *COUNTS)}
     ratios = [one["time"] / default["time"] for one, default in zip(own, base, strict=True)]
-    low, high = np.quantile(ratios, (0.25, 0.75))
-    return {"pretension": pretension, "feature": name, **median, "quartiles": [low, high]}
+    low, ratio, high = np.quantile(ratios, (0.25, 0.5, 0.75))
+    of_ratios = {"ratio": ratio, "quartiles": [low, high]}
+    return {"pretension": pretension, "feature": name, **median, **of_ratios}
 
 
 def measure(result: rc.Result) -> float:
@@ -319,7 +320,7 @@ def feature_lines(found: dict[str, object]) -> list[str]:
 
 def feature_cells(one: dict[str, object], base: dict[str, object], duration: float):
     """Return the cells of a line."""
-    spent, count = one["time"] / base["time"], one["steps"] / base["steps"]
+    spent, count = one["ratio"], one["steps"] / base["steps"]
     low, high = one["quartiles"]
     return (
         one["feature"],
