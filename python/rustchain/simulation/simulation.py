@@ -236,7 +236,7 @@ class Simulation(Present):
         energy : bool, optional
             False takes the energy balance out of `record`, True puts it in. The energies of a chain
             are integrated along every step, with further evaluations: the published drive then
-            takes 1.2 to 1.4 times the time of its steps. Without it there is no `EnergyWarning`;
+            takes 1.1 to 1.3 times the time of its steps. Without it there is no `EnergyWarning`;
             the path is the same to the last bit.
         progress : bool
             Whether to show a progress bar, where a terminal is there to show it.

@@ -59,7 +59,8 @@ impl ToothTerms {
         }
     }
 
-    /// Set the terms of all groups of `links` bushings to zero. Terms behind them are zero since [`Self::fold_overhang`].
+    /// Set the terms of all groups of `links` bushings to zero. Terms behind them are zero since [`Self::fold_overhang`], which ends each
+    /// assembly of teeth.
     #[inline(always)]
     pub(super) fn clear<const FRICTION: bool>(&mut self, links: usize) {
         self.touched.fill(false);

@@ -90,7 +90,7 @@ fn a_power_that_is_nearly_a_parabola_takes_one_evaluation() {
 fn a_power_that_begins_within_a_step_takes_more_panels() {
     let power = |begin: f64| move |t: f64| f64::max(t - begin, 0.0).powf(1.5);
     let mut largest = [0.0f64; 2];
-    for begin in [0.1, 0.9, 1.3, 1.7] {
+    for begin in [0.1, 0.5, 0.9, 1.3, 1.7] {
         // A first step without power, then one in which it begins; errors over the largest power times the length.
         let exact = f64::powf(2.0 - begin, 2.5) / 2.5;
         let scale = 2.0 * power(begin)(2.0);
@@ -104,7 +104,7 @@ fn a_power_that_begins_within_a_step_takes_more_panels() {
     }
     // At a kink the error falls by less than a sixteenth when panels are halved: a few times the accepted one is left.
     assert!(largest[0] < 4.0 * ACCEPTED_ERROR, "{largest:?}");
-    assert!(largest[1] > 10.0 * ACCEPTED_ERROR, "{largest:?}");
+    assert!(largest[1] > 20.0 * ACCEPTED_ERROR, "{largest:?}");
 }
 
 #[test]
