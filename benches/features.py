@@ -202,7 +202,7 @@ def all_features(rounds: int, lead: float, duration: float) -> list[dict[str, ob
 def row(
     runs: dict[tuple[float, str], list[dict[str, float]]], pretension: float, name: str
 ) -> dict[str, object]:
-    """Return medians of a feature, and quartiles of the ratios of its time to that of the default."""
+    """Return medians of a feature, and quartiles of its time over that of the default."""
     own, base = runs[pretension, name], runs[pretension, "default"]
     median = {key: statistics.median(one[key] for one in own) for key in ("time", *COUNTS)}
     ratios = [one["time"] / default["time"] for one, default in zip(own, base, strict=True)]
