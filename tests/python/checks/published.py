@@ -279,20 +279,25 @@ def seated(result):
 
 
 def residuals(pretension):
-    """Return the ranges of the residual over the energy dissipated, three tolerances, 20 ms."""
+    """Return the ranges of the residual over the energy dissipated, three tolerances, 20 ms.
+
+    Contacts make runs chaotic: the residual is the RMS of three, whose tolerances differ by 1 %.
+    """
     test = f"{FILE}::test_the_residual_falls_with_the_tolerance"
     found = []
     for tolerance in (1e-4, 1e-6, 1e-8):
-        solver = rc.Solver(rtol=tolerance, atol=tolerance)
-        simulation = rc.Simulation(rc.paper_drive(pretension), solver=solver)
-        energy = simulation.run(0.02, record=("energy",), progress=False).energy
-        found.append(abs(energy.residual).max() / energy.dissipated[-1])
-    # 2.4e-4, 7e-6, 4.4e-6 at 0 N; 7e-4, 2.0e-5, 3.6e-6 at 25 N. At 1e-8 a part of it is that of the
-    # quadrature, which does not depend on the tolerance; 7e-6 is small by chance.
+        squares = []
+        for near in (tolerance, 1.01 * tolerance, 1.02 * tolerance):
+            solver = rc.Solver(rtol=near, atol=near)
+            simulation = rc.Simulation(rc.paper_drive(pretension), solver=solver)
+            energy = simulation.run(0.02, record=("energy",), progress=False).energy
+            squares.append((abs(energy.residual).max() / energy.dissipated[-1]) ** 2)
+        found.append(math.sqrt(sum(squares) / len(squares)))
+    # 3.4e-4, 1.6e-5, 4.2e-6 at 0 N; 4.5e-4, 1.5e-5, 3.1e-6 at 25 N.
     name = f"{pretension:g} N, residual over energy dissipated, "
     return [
         Range(name + "1e-4", found[0], 0, 1e-2, test),
         Range(name + "1e-4 over 1e-6", found[0] / found[1], 2, math.inf, test),
-        Range(name + "1e-6 over 1e-8", found[1] / found[2], 1, math.inf, test),
+        Range(name + "1e-6 over 1e-8", found[1] / found[2], 2, math.inf, test),
         Range(name + "1e-4 over 1e-8", found[0] / found[2], 20, math.inf, test),
     ]
