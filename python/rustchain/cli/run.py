@@ -59,7 +59,7 @@ def run(
     ] = None,
     energy: Annotated[
         bool | None,
-        typer.Option(help="Keep the energy balance; a run is 1.4 to 1.7 times faster without."),
+        typer.Option(help="Keep the energy balance; a run is 1.1 to 1.3 times faster without."),
     ] = None,
     settings: Settings = None,
     out: Annotated[

@@ -23,7 +23,7 @@ WRITER = "Result.save or Simulation.run(out=...)"
 
 
 def write(dataset: xr.Dataset, path: object) -> None:
-    """Write a dataset to a file, lightly packed, with a checksum behind it."""
+    """Write a dataset to a file with a checksum behind it."""
     write_whole(path, beside(_image, dataset).getbuffer())
 
 
@@ -92,10 +92,9 @@ def _image(dataset: xr.Dataset) -> io.BytesIO:
 
     from rustchain.extras import h5netcdf
 
-    packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
     image = io.BytesIO()
     with h5netcdf.File(image, "w") as file:
-        dataset.dump_to_store(H5NetCDFStore(file), encoding=packed)
+        dataset.dump_to_store(H5NetCDFStore(file))
     checksum = _checksum(image.getbuffer())
     image.seek(0, io.SEEK_END)
     image.write(checksum)

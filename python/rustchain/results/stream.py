@@ -164,7 +164,6 @@ class Stream:
         for dims, values, _ in (*constant.values(), *series.values()):
             for name, size in zip(dims, values.shape, strict=True):
                 sizes.setdefault(name, size)
-        packed = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
         with h5netcdf.File(part, "w", libver="v110") as file:
             file.attrs.update(attributes)
             file.dimensions = {n: s for n, s in sizes.items() if n in used}
@@ -180,8 +179,8 @@ class Stream:
                 made.attrs.update(notes)
             for name, (dims, values, notes) in series.items():
                 rows = self._chunk if dims[0] == "time" else _JUMPS_OF_A_CHUNK
-                chunks = (rows, *values.shape[1:])
-                made = file.create_variable(name, dims, values.dtype, chunks=chunks, **packed)
+                checked = {"chunks": (rows, *values.shape[1:]), "fletcher32": True}
+                made = file.create_variable(name, dims, values.dtype, **checked)
                 made.attrs.update(notes)
             file.create_variable(
                 HEADER, ("header",), np.uint8, data=text, chunks=text.shape, fletcher32=True

@@ -10,8 +10,8 @@ from rustchain.simulation.recording import Piece
 
 DEFAULT = "256 MB"
 
-# Rows of a chunk. With twice as many, a killed process loses up to twice as many rows; compression
-# and speed of writing change by less than 5 %.
+# Rows of a chunk. With twice as many, a killed process loses up to twice as many rows; the speed of
+# writing changes by less than 5 %.
 _CHUNK = 256
 
 # How much memory a piece takes, over the size of its rows: the rows while they are recorded, in
