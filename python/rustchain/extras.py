@@ -9,7 +9,6 @@ from rustchain.errors import MissingExtra
 from rustchain.names import DISTRIBUTION
 
 if TYPE_CHECKING:
-    import h5netcdf as h5netcdf
     import h5py as h5py
     import matplotlib as matplotlib
     import pandas as pandas
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 MODULES = {
     "matplotlib": ("matplotlib", "plot"),
     "xarray": ("xarray", "io"),
-    "h5netcdf": ("h5netcdf", "io"),
     "h5py": ("h5py", "io"),
     "pandas": ("pandas", "io"),
     "signal": ("scipy.signal", "analysis"),

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import io
-from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
 
 from rustchain import extras
 from rustchain.errors import InvalidInput
@@ -29,7 +32,7 @@ def write(dataset: xr.Dataset, path: object) -> None:
 
 def read(path: object) -> xr.Dataset:
     """Return the dataset in a file that `Result.save` wrote."""
-    _ = extras.xarray, extras.h5netcdf  # missing, they are no damage to the file
+    _ = extras.xarray, extras.h5py  # missing, they are no damage to the file
     content = check_there(path, WRITER).read_bytes()
     try:
         return beside(_dataset, content)
@@ -72,6 +75,7 @@ def beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
 
 def _dataset(content: bytes) -> xr.Dataset:
     """Return what is in the bytes of a file."""
+    from rustchain.extras import h5py
     from rustchain.extras import xarray as xr
 
     body = memoryview(content)[: -len(_checksum(b""))]
@@ -79,7 +83,10 @@ def _dataset(content: bytes) -> xr.Dataset:
     if content[len(body) :] != _checksum(body):
         msg = "it holds no result that matches its checksum"
         raise ValueError(msg)
-    return xr.load_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False)
+    with h5py.File(io.BytesIO(content), "r") as file:
+        variables = {name: _variable(each) for name, each in file.items() if not _is_bare(each)}
+        found = xr.Dataset(variables, attrs=_attributes(file))
+    return xr.decode_cf(found, decode_times=False)
 
 
 def _image(dataset: xr.Dataset) -> io.BytesIO:
@@ -88,14 +95,76 @@ def _image(dataset: xr.Dataset) -> io.BytesIO:
     HDF5 writes to memory because it does not survive a failing disc: the process ends with a
     segmentation fault when the file is closed.
     """
-    from xarray.backends import H5NetCDFStore
+    from xarray import conventions
 
-    from rustchain.extras import h5netcdf
+    from rustchain.extras import h5py
 
+    variables, attributes = conventions.encode_dataset_coordinates(dataset)
+    variables, attributes = conventions.cf_encoder(variables, attributes)
     image = io.BytesIO()
-    with h5netcdf.File(image, "w") as file:
-        dataset.dump_to_store(H5NetCDFStore(file))
+    with h5py.File(image, "w", track_order=True) as file:
+        file.attrs.update(attributes)
+        for name in sorted(variables, key=lambda name: name not in dataset.dims):
+            found = variables[name]
+            add_variable(file, str(name), found.dims, found.values, found.attrs)
     checksum = _checksum(image.getbuffer())
     image.seek(0, io.SEEK_END)
     image.write(checksum)
     return image
+
+
+# --- netCDF-4 in HDF5: each dimension is a dimension scale, with its coordinates or without values
+
+_BARE = "This is a netCDF dimension but not a netCDF variable."
+_OF_HDF5 = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST"}
+_OF_NETCDF = {"_NCProperties", "_Netcdf4Dimid", "_Netcdf4Coordinates"}
+
+
+def add_variable(
+    file: Any,  # noqa: ANN401
+    name: str,
+    dims: Sequence[Hashable],
+    values: npt.NDArray[Any],
+    attributes: Mapping[Any, Any],
+    **storage: Any,  # noqa: ANN401
+) -> None:
+    """Add a variable to an HDF5 file, with the dimensions that are not there yet.
+
+    A variable with the name of its only dimension has the coordinates of that dimension, and is
+    added before all others. `storage` is passed to `h5py.Group.create_dataset`.
+    """
+    is_text = values.dtype.kind in "UO"
+    kind = extras.h5py.string_dtype() if is_text else values.dtype
+    made = file.create_dataset(name, data=values.astype(kind, copy=False), **storage)
+    made.attrs.update(attributes)
+    if tuple(dims) == (name,):
+        made.make_scale(_last(name))
+        return
+    for axis, dim in enumerate(dims):
+        if dim not in file:
+            length, most = made.shape[axis], made.maxshape[axis]
+            bare = file.create_dataset(dim, (length,), ">f4", maxshape=(most,))
+            bare.make_scale(f"{_BARE}{length:10}")
+        made.dims[axis].attach_scale(file[dim])
+
+
+def _is_bare(dataset: Any) -> bool:  # noqa: ANN401
+    """Return whether a dataset stands for a dimension without coordinates."""
+    return bool(dataset.is_scale and dataset.attrs["NAME"].startswith(_BARE.encode()))
+
+
+def _variable(dataset: Any) -> tuple[tuple[str, ...], npt.NDArray[Any], dict[str, Any]]:  # noqa: ANN401
+    """Return dimensions, values and attributes of a variable."""
+    scales = [dataset] if dataset.is_scale else [dim[0] for dim in dataset.dims]
+    values = dataset.asstr()[...] if dataset.dtype.kind == "O" else dataset[...]
+    return tuple(_last(scale.name) for scale in scales), np.asarray(values), _attributes(dataset)
+
+
+def _attributes(place: Any) -> dict[str, Any]:  # noqa: ANN401
+    """Return the attributes of a file or dataset, without those of HDF5 and netCDF."""
+    return {name: value for name, value in place.attrs.items() if name not in _OF_HDF5 | _OF_NETCDF}
+
+
+def _last(name: str) -> str:
+    """Return a name without those of its groups."""
+    return name.rpartition("/")[2]

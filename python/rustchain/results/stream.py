@@ -24,6 +24,7 @@ from rustchain import extras
 from rustchain.paths import new_file, path_of, shown_path, unwritable
 from rustchain.results import tables
 from rustchain.results.channels import VARIABLES
+from rustchain.results.netcdf import add_variable
 from rustchain.results.stored import END, HEADER, IDENTITY, checksum_of, header_of
 from rustchain.results.superblock import SIZE, end_of
 
@@ -145,7 +146,6 @@ class Stream:
 
     def _write_header(self, part: Path) -> None:
         """Write all that is known before the first row."""
-        h5netcdf = extras.h5netcdf
         result = self._result
         channels = {n: a for n, a in result.arrays.items() if 0 not in a.shape[1:]}
         series = tables.variables_of(channels, VARIABLES)
@@ -154,38 +154,26 @@ class Stream:
             series |= tables.jumps_of(result.jumps)
         constant = tables.ends_of(result, ("initial",))
         used = {d for dims, *_ in (*series.values(), *constant.values()) for d in dims}
-        for name, values in tables.coordinates_of(result).items():
-            if name in used:
-                constant[name] = ((name,), np.asarray(values), {})
+        coordinates = {n: np.asarray(v) for n, v in tables.coordinates_of(result).items()}
+        constant = {n: ((n,), v, {}) for n, v in coordinates.items() if n in used} | constant
         attributes = tables.attributes_of(result) | {IDENTITY: self._identity}
         attributes["body_names"] = json.dumps(result.body_names)
         attributes["checksum"] = checksum_of(attributes)
-        sizes: dict[str, int | None] = {"time": None, "jump": None}
-        for dims, values, _ in (*constant.values(), *series.values()):
-            for name, size in zip(dims, values.shape, strict=True):
-                sizes.setdefault(name, size)
-        with h5netcdf.File(part, "w", libver="v110") as file:
+        with extras.h5py.File(part, "w", libver="v110") as file:
             file.attrs.update(attributes)
-            file.dimensions = {n: s for n, s in sizes.items() if n in used}
-            text = np.frombuffer(json.dumps(attributes).encode(), np.uint8)
-            file.create_group("run").dimensions = {"header": text.size, "end": None}
             for name, (dims, values, notes) in constant.items():
-                if values.dtype.kind == "U":
-                    made = file.create_variable(name, dims, extras.h5py.string_dtype())
-                    made[...] = values.astype(object)
-                else:
-                    checked = {"chunks": values.shape, "fletcher32": True}
-                    made = file.create_variable(name, dims, values.dtype, data=values, **checked)
-                made.attrs.update(notes)
+                is_text = values.dtype.kind == "U"  # HDF5 has no checksums of texts
+                checked = {} if is_text else {"chunks": values.shape, "fletcher32": True}
+                add_variable(file, name, dims, values, notes, **checked)
             for name, (dims, values, notes) in series.items():
                 rows = self._chunk if dims[0] == "time" else _JUMPS_OF_A_CHUNK
-                checked = {"chunks": (rows, *values.shape[1:]), "fletcher32": True}
-                made = file.create_variable(name, dims, values.dtype, **checked)
-                made.attrs.update(notes)
-            file.create_variable(
-                HEADER, ("header",), np.uint8, data=text, chunks=text.shape, fletcher32=True
-            )
-            file.create_variable(END, ("end",), np.uint8, chunks=(4096,), fletcher32=True)
+                row = values.shape[1:]
+                grows = {"maxshape": (None, *row), "chunks": (rows, *row), "fletcher32": True}
+                add_variable(file, name, dims, values, notes, **grows)
+            known = np.frombuffer(json.dumps(attributes).encode(), np.uint8)
+            add_variable(file, HEADER, (HEADER,), known, {}, chunks=known.shape, fletcher32=True)
+            grows = {"maxshape": (None,), "chunks": (4096,), "fletcher32": True}
+            add_variable(file, END, (END,), np.empty(0, np.uint8), {}, **grows)
 
     def _append(
         self, take: Callable[[], Rows], jumps: Callable[[], Jumps | None], taken: threading.Event

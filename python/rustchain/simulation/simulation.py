@@ -302,7 +302,8 @@ class Simulation(Present):
         self._running = True
         try:
             if out is not None:
-                recording.stream_to(out, piece)
+                rows = int(duration / report_step) + 2  # a chunk takes its whole size in the file
+                recording.stream_to(out, piece._replace(chunk=min(piece.chunk, rows)))
             return recording.run(duration, progress, looks)
         finally:
             self._running = False

@@ -109,7 +109,7 @@ class Store:
     """
 
     def __init__(self, folder: object, measure: Measure | None, looks: Looks, retry: bool) -> None:
-        _ = extras.xarray, extras.h5netcdf  # missing, they are told before anything runs
+        _ = extras.xarray, extras.h5py  # missing, they are told before anything runs
         self._folder = path_of(folder, "store")
         self._measured = measure is not None
         self._retry = retry

@@ -165,6 +165,14 @@ def test_a_streamed_file_saved_again_is_a_file_of_save(streamed, tmp_path):
     same(result, rc.load_result(tmp_path / "again.nc"))
 
 
+def test_a_streamed_file_of_few_rows_is_small(tmp_path):
+    simulation = rc.Simulation(rc.paper_drive(25.0))
+    result = simulation.run(duration=1e-3, progress=False, out=tmp_path / "short.nc")
+    numbers = sum(array.nbytes for array in result.arrays.values())
+    assert len(result.time) == 11
+    assert (tmp_path / "short.nc").stat().st_size < 2 * numbers + 40_000
+
+
 def test_programs_that_read_netcdf_read_a_streamed_file(streamed):
     path, result = streamed
     with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:

@@ -43,6 +43,27 @@ def test_every_variable_of_a_file_has_one_unit_that_pint_reads(kind, tmp_path):
     assert str(units["angular_velocity"]) == "radian / second"
 
 
+def test_a_dataset_goes_through_a_file_and_other_programs_read_it(tmp_path):
+    variables = {
+        "flag": (("case",), np.array([True, False, True])),
+        "whole": (("case", "k"), np.arange(6).reshape(3, 2), {"units": "N"}),
+        "single": ((), 2.5),
+        "gaps": (("case",), [np.nan, 1.0, np.inf]),
+        "text": (("case",), ["a", "bß", ""]),
+        "nothing": (("z",), np.empty(0)),
+        "byte": (("case",), np.array([1, 2, 3], np.uint8)),
+    }
+    coordinates = {"case": [10, 20, 30], "tension": ("case", [1.0, 2.0, 3.0])}
+    dataset = xr.Dataset(variables, coordinates, {"text": "ä", "number": 3, "some": [1, 2]})
+    netcdf.write(dataset, tmp_path / "any.nc")
+    for found in (
+        netcdf.read(tmp_path / "any.nc"),
+        xr.load_dataset(tmp_path / "any.nc", engine="h5netcdf"),
+    ):
+        assert found.identical(dataset)
+    assert list(netcdf.read(tmp_path / "any.nc").data_vars) == list(variables)
+
+
 @pytest.mark.parametrize("kind", RUNS)
 def test_a_file_has_format_scene_version_and_platform(kind):
     attributes = RUNS[kind]().to_xarray().attrs
