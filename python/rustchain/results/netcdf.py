@@ -84,9 +84,10 @@ def _dataset(content: bytes) -> xr.Dataset:
         msg = "it holds no result that matches its checksum"
         raise ValueError(msg)
     with h5py.File(io.BytesIO(content), "r") as file:
-        variables = {name: _variable(each) for name, each in file.items() if not _is_bare(each)}
+        names = [name for name in file if not _is_bare(file[name])]
+        variables = {name.removeprefix(_NO_COORDINATES): _variable(file[name]) for name in names}
         found = xr.Dataset(variables, attrs=_attributes(file))
-    return xr.decode_cf(found, decode_times=False)
+    return xr.decode_cf(found, decode_times=False).load()
 
 
 def _image(dataset: xr.Dataset) -> io.BytesIO:
@@ -99,14 +100,18 @@ def _image(dataset: xr.Dataset) -> io.BytesIO:
 
     from rustchain.extras import h5py
 
+    names = [*dataset.variables, *dataset.dims]
+    dataset = dataset.rename({n: str(n).replace("/", "%2F") for n in names if "/" in str(n)})
     variables, attributes = conventions.encode_dataset_coordinates(dataset)
     variables, attributes = conventions.cf_encoder(variables, attributes)
     image = io.BytesIO()
     with h5py.File(image, "w", track_order=True) as file:
         file.attrs.update(attributes)
-        for name in sorted(variables, key=lambda name: name not in dataset.dims):
+        for name in sorted(variables, key=lambda name: variables[name].dims != (name,)):
             found = variables[name]
-            add_variable(file, str(name), found.dims, found.values, found.attrs)
+            clashes = name in dataset.dims and found.dims != (name,)
+            stored = f"{_NO_COORDINATES if clashes else ''}{name}"
+            add_variable(file, stored, found.dims, found.values, found.attrs)
     checksum = _checksum(image.getbuffer())
     image.seek(0, io.SEEK_END)
     image.write(checksum)
@@ -116,6 +121,7 @@ def _image(dataset: xr.Dataset) -> io.BytesIO:
 # --- netCDF-4 in HDF5: each dimension is a dimension scale, with its coordinates or without values
 
 _BARE = "This is a netCDF dimension but not a netCDF variable."
+_NO_COORDINATES = "_nc4_non_coord_"  # before the name of a variable that a dimension has, too
 _OF_HDF5 = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST"}
 _OF_NETCDF = {"_NCProperties", "_Netcdf4Dimid", "_Netcdf4Coordinates"}
 
@@ -156,13 +162,16 @@ def _is_bare(dataset: Any) -> bool:  # noqa: ANN401
 def _variable(dataset: Any) -> tuple[tuple[str, ...], npt.NDArray[Any], dict[str, Any]]:  # noqa: ANN401
     """Return dimensions, values and attributes of a variable."""
     scales = [dataset] if dataset.is_scale else [dim[0] for dim in dataset.dims]
-    values = dataset.asstr()[...] if dataset.dtype.kind == "O" else dataset[...]
-    return tuple(_last(scale.name) for scale in scales), np.asarray(values), _attributes(dataset)
+    is_text = dataset.dtype.kind == "O"
+    values = np.asarray(dataset.asstr()[...], str) if is_text else np.asarray(dataset[...])
+    return tuple(_last(scale.name) for scale in scales), values, _attributes(dataset)
 
 
 def _attributes(place: Any) -> dict[str, Any]:  # noqa: ANN401
     """Return the attributes of a file or dataset, without those of HDF5 and netCDF."""
-    return {name: value for name, value in place.attrs.items() if name not in _OF_HDF5 | _OF_NETCDF}
+    # Not by `items`, here and above: an error on the way would leave all of h5py locked.
+    names = (name for name in place.attrs if name not in _OF_HDF5 | _OF_NETCDF)
+    return {name: place.attrs[name] for name in names}
 
 
 def _last(name: str) -> str:

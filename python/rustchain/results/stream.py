@@ -2,7 +2,7 @@
 
 The files use HDF5's mode for a single writer and multiple readers (SWMR). Metadata is written in an
 order that keeps the file readable at any time, so that a killed process leaves all flushed rows.
-Every number has a checksum: metadata from HDF5's format 3, rows from the filter Fletcher-32.
+Every number has a checksum: metadata from HDF5's format 3, rows from gzip's format, uncompressed.
 """
 
 from __future__ import annotations
@@ -35,6 +35,11 @@ if TYPE_CHECKING:
 Rows = dict[str, npt.NDArray[Any]]
 
 _JUMPS_OF_A_CHUNK = 256
+
+# Level 0 of gzip does not compress; it adds the checksum Adler-32, which is not 0 for zeros. The
+# checksum of HDF5, Fletcher-32, is: zeros in the place of a block would be read as its rows.
+_CHECKED = {"compression": "gzip", "compression_opts": 0}
+
 _ALL = 2**62
 _SLACK = 2**20  # [bytes] of metadata for one piece: the indices of its chunks, below 100 kB
 
@@ -163,16 +168,16 @@ class Stream:
             file.attrs.update(attributes)
             for name, (dims, values, notes) in constant.items():
                 is_text = values.dtype.kind == "U"  # HDF5 has no checksums of texts
-                checked = {} if is_text else {"chunks": values.shape, "fletcher32": True}
+                checked = {} if is_text else {"chunks": values.shape, **_CHECKED}
                 add_variable(file, name, dims, values, notes, **checked)
             for name, (dims, values, notes) in series.items():
                 rows = self._chunk if dims[0] == "time" else _JUMPS_OF_A_CHUNK
                 row = values.shape[1:]
-                grows = {"maxshape": (None, *row), "chunks": (rows, *row), "fletcher32": True}
+                grows = {"maxshape": (None, *row), "chunks": (rows, *row), **_CHECKED}
                 add_variable(file, name, dims, values, notes, **grows)
             known = np.frombuffer(json.dumps(attributes).encode(), np.uint8)
-            add_variable(file, HEADER, (HEADER,), known, {}, chunks=known.shape, fletcher32=True)
-            grows = {"maxshape": (None,), "chunks": (4096,), "fletcher32": True}
+            add_variable(file, HEADER, (HEADER,), known, {}, chunks=known.shape, **_CHECKED)
+            grows = {"maxshape": (None,), "chunks": (4096,), **_CHECKED}
             add_variable(file, END, (END,), np.empty(0, np.uint8), {}, **grows)
 
     def _append(

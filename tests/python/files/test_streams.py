@@ -173,6 +173,18 @@ def test_a_streamed_file_of_few_rows_is_small(tmp_path):
     assert (tmp_path / "short.nc").stat().st_size < 2 * numbers + 40_000
 
 
+def test_zeros_in_the_place_of_a_block_are_no_rows(streamed, tmp_path):
+    path, result = streamed
+    name = next(name for name in ("hinge_force", "position") if name in result.arrays)
+    with h5py.File(path) as file:
+        block = file[name].id.get_chunk_info(0)
+    content = bytearray(path.read_bytes())
+    content[block.byte_offset : block.byte_offset + block.size] = bytes(block.size)
+    (tmp_path / "hole.nc").write_bytes(content)
+    with pytest.raises(rc.InvalidInput, match="is damaged"):
+        rc.load_result(tmp_path / "hole.nc").arrays[name]
+
+
 def test_programs_that_read_netcdf_read_a_streamed_file(streamed):
     path, result = streamed
     with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
