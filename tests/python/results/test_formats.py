@@ -1,9 +1,13 @@
 """Formats of files: a number in each, one unit a variable, and stored files of the present one."""
 
+import hashlib
+import io
 import re
 import sys
+import threading
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pint_xarray  # noqa: F401, gives datasets their .pint
 import pytest
@@ -64,6 +68,24 @@ def test_a_dataset_goes_through_a_file_and_other_programs_read_it(tmp_path):
     ):
         assert found.identical(dataset)
     assert list(netcdf.read(tmp_path / "any.nc").data_vars) == list(dataset.data_vars)
+
+
+def test_a_file_that_cannot_be_read_leaves_the_next_one_readable(tmp_path):
+    image = io.BytesIO()
+    with h5py.File(image, "w") as file:
+        file.create_group("a")  # no variable
+        file["b"] = 1.0
+    body = image.getvalue()
+    line = f"\nrustchain sha256 {hashlib.sha256(body).hexdigest()}\n"
+    (tmp_path / "group.nc").write_bytes(body + line.encode())
+    with pytest.raises(rc.InvalidInput) as kept:  # with all that the error holds
+        netcdf.read(tmp_path / "group.nc")
+    dataset = xr.Dataset({"a": 1.0})
+    after = threading.Thread(target=netcdf.write, args=(dataset, tmp_path / "a.nc"), daemon=True)
+    after.start()
+    after.join(60.0)
+    assert not after.is_alive(), kept
+    assert netcdf.read(tmp_path / "a.nc").identical(dataset)
 
 
 @pytest.mark.parametrize("kind", RUNS)
