@@ -122,8 +122,8 @@ def _image(dataset: xr.Dataset) -> io.BytesIO:
 
 _BARE = "This is a netCDF dimension but not a netCDF variable."
 _NO_COORDINATES = "_nc4_non_coord_"  # before the name of a variable that a dimension has, too
-_OF_HDF5 = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST"}
-_OF_NETCDF = {"_NCProperties", "_Netcdf4Dimid", "_Netcdf4Coordinates"}
+_INTERNAL = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST"}  # attributes of HDF5
+_INTERNAL |= {"_NCProperties", "_Netcdf4Dimid", "_Netcdf4Coordinates"}  # and of netCDF
 
 
 def add_variable(
@@ -170,7 +170,7 @@ def _variable(dataset: Any) -> tuple[tuple[str, ...], npt.NDArray[Any], dict[str
 def _attributes(place: Any) -> dict[str, Any]:  # noqa: ANN401
     """Return the attributes of a file or dataset, without those of HDF5 and netCDF."""
     # Not by `items`, here and above: an error on the way would leave all of h5py locked.
-    names = (name for name in place.attrs if name not in _OF_HDF5 | _OF_NETCDF)
+    names = (name for name in place.attrs if name not in _INTERNAL)
     return {name: place.attrs[name] for name in names}
 
 
