@@ -82,6 +82,10 @@ impl Dynamics {
     /// step that ends at the row would remain as a constant velocity error. A row belongs to the step that ends at it or just before it. A
     /// step that ends behind a row has passed it, however short the step is.
     pub(super) fn restart_at_kink_of_end(&mut self, adams: &mut Adams) {
+        // Before the clone: its counter is atomic, and waits for all stores of the step before.
+        if self.model.ends.is_none() {
+            return;
+        }
         let model = Arc::clone(&self.model);
         let Some(ends) = &model.ends else { return };
         let t = adams.time();

@@ -2,13 +2,7 @@
 
 use pulp::Simd;
 
-use crate::math::simd::{Lanes, Mask, Pack8, WIDTH, load, parts, read, vectors, vectors_mut};
-
-/// Return an array with `value` in all entries.
-#[inline(always)]
-pub(super) fn all<T: Copy>(value: T) -> [T; WIDTH] {
-    [value; WIDTH]
-}
+use crate::math::simd::{Lanes, Mask, Pack8, WIDTH, parts, read, rotated};
 
 /// One SIMD vector of symmetric 2x2 blocks: xx, yy, xy.
 #[derive(Clone, Copy)]
@@ -81,32 +75,22 @@ pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
     distance: usize,
 ) -> [T; WIDTH] {
     let mut turned = pack8;
-    // One vector holds all eight lanes: one rotation.
-    if S::F64_LANES == WIDTH {
-        let mut values = pack8[0].registers();
-        for value in &mut values {
-            *value = value.turned_by(distance);
-        }
-        turned[0] = T::of_registers(values);
-        return turned;
-    }
-    let count = WIDTH / S::F64_LANES;
-    // Two copies in sequence make every vector of the rotated numbers contiguous in memory.
-    let mut twice = [[0.0; 2 * WIDTH]; N];
+    let mut values = [pack8[0].registers(); WIDTH];
     for part in parts::<S>() {
-        for (numbers, value) in twice.iter_mut().zip(pack8[part].registers()) {
-            let registers = vectors_mut::<S>(numbers, 2 * count);
-            registers[part] = value.values();
-            registers[part + count] = value.values();
+        values[part] = pack8[part].registers();
+    }
+    for register in 0..N {
+        let mut numbers = [values[0][register]; WIDTH];
+        for part in parts::<S>() {
+            numbers[part] = values[part][register];
+        }
+        let numbers = rotated(simd, numbers, distance);
+        for part in parts::<S>() {
+            values[part][register] = numbers[part];
         }
     }
     for part in parts::<S>() {
-        let mut values = pack8[part].registers();
-        for (numbers, value) in twice.iter().zip(&mut values) {
-            let from = &numbers[distance + part * S::F64_LANES..];
-            *value = load(simd, &vectors::<S>(from, 1)[0]);
-        }
-        turned[part] = T::of_registers(values);
+        turned[part] = T::of_registers(values[part]);
     }
     turned
 }

@@ -10,12 +10,12 @@ mod solve;
 
 use pulp::Simd;
 
-use super::blocks::{Block, Symmetric, all, from_left, from_right};
+use super::blocks::{Block, Symmetric, from_left, from_right};
 use super::contacts::BASE;
 use crate::math::dense::Dense;
 use crate::math::simd::{
-    Lanes, Mask, Numbers, Pack, Pack8, WIDTH, lane_numbers, load, packs_mut, padded_zeros, parts,
-    transposed, vectors, write,
+    Lanes, Mask, Numbers, Pack, Pack8, WIDTH, lane_numbers, load, no_lane, packs_mut, padded_zeros,
+    parts, transposed, vectors, write,
 };
 
 /// Blocks of all hinges, hinge k at [`BASE`] + k. Entries behind the last one may be read; their values are not used.
@@ -86,6 +86,53 @@ struct Round {
     right: [Pack8; 4],
 }
 
+impl Round {
+    /// Eliminate both neighbours at `distance` from every row.
+    ///
+    /// With C the coupling of row k with row k - d: `S_k -= C_k S_(k-d)⁻¹ C_k^T + C_(k+d)^T S_(k+d)⁻¹ C_(k+d)`, and the new coupling with
+    /// row k - 2 d is `-C_k S_(k-d)⁻¹ C_(k-d)`.
+    #[inline(always)]
+    fn eliminate<S: Simd>(
+        &mut self,
+        simd: S,
+        distance: usize,
+        (own, coupling): (&mut [Symmetric<S>; WIDTH], &mut [Block<S>; WIDTH]),
+        irregular: &mut Mask<S>,
+    ) {
+        let mut inverse = [Symmetric::zero(simd); WIDTH];
+        let mut follow = [Block::zero(simd); WIDTH];
+        let mut taken = [Symmetric::zero(simd); WIDTH];
+        for part in parts::<S>() {
+            inverse[part] = own[part].inverse(irregular);
+            follow[part] = inverse[part].times_block(&coupling[part]);
+            taken[part] = coupling[part].transposed_times(&follow[part]);
+        }
+        let inverse = from_left(simd, inverse, distance);
+        let beyond = from_left(simd, *coupling, distance);
+        let follow = from_right(simd, follow, distance);
+        let taken = from_right(simd, taken, distance);
+        for part in parts::<S>() {
+            let share = coupling[part].times_symmetric(&inverse[part]);
+            own[part].subtract(&taken[part]);
+            own[part].sub_product(&share, &coupling[part].transposed());
+            coupling[part] = share.times(&beyond[part]).negated();
+            write(&mut self.left, part, share.0);
+            write(&mut self.right, part, follow[part].transposed().0);
+        }
+    }
+}
+
+/// What the elimination of the eight parts leaves.
+#[derive(Debug, Clone, Copy, Default)]
+struct Left {
+    /// Blocks of the last hinges.
+    own: [Pack8; 3],
+    /// Couplings of each last hinge with the last hinge of the previous part.
+    edge: [Pack8; 4],
+    /// Blocks that each part subtracts from the last hinge of the previous part.
+    to_last: [Pack8; 3],
+}
+
 /// Factors of the ring.
 #[derive(Debug, Clone)]
 pub(super) struct Ring {
@@ -100,6 +147,8 @@ pub(super) struct Ring {
     places: Vec<PartBlocks>,
     /// Couplings of the second places with the previous part, for parts with an empty first place.
     direct: [Pack8; 4],
+    /// Scratch of a factorisation.
+    left: Left,
     rounds: [Round; 2],
     /// Factors of the last round, in which both neighbours are the same row.
     opposite: [Pack8; 4],
@@ -125,6 +174,7 @@ impl Ring {
             count,
             places: vec![PartBlocks::default(); count + WIDTH],
             direct: none,
+            left: Left::default(),
             rounds: [Round::default(); 2],
             opposite: none,
             inverse: [Pack8::default(); 3],
@@ -219,9 +269,9 @@ impl Ring {
         }
     }
 
-    /// Eliminate all but the last place of each part; write the reduced last blocks and their couplings to `left`.
+    /// Eliminate all but the last place of each part; mark lanes with a block that is not positive definite as `irregular`.
     #[inline(always)]
-    fn eliminate<S: Simd>(&mut self, simd: S, left: &mut Left<S>) {
+    fn eliminate<S: Simd>(&mut self, simd: S, irregular: &mut Mask<S>) {
         let last = self.count - 1;
         for part in parts::<S>() {
             let places = &mut self.places[..=last];
@@ -230,7 +280,7 @@ impl Ring {
             // hinge of the previous part loses E^T S⁻¹ E. Two loops, for S and for E: one needs more registers than AVX2 has.
             let mut own = Symmetric::read(simd, &places[0].own, part);
             for j in 0..last {
-                let inverse = own.inverse(&mut left.irregular);
+                let inverse = own.inverse(irregular);
                 let coupling = Block::read(simd, &places[j + 1].before, part);
                 let next = inverse.times_transposed(&coupling);
                 own = Symmetric::read(simd, &places[j + 1].own, part);
@@ -251,57 +301,39 @@ impl Ring {
                 direct = Block::zero(simd);
                 write(&mut places[j].before, part, from_last.0);
             }
-            left.own[part] = own;
-            left.edge[part] = edge;
-            left.to_last[part] = to_last;
+            write(&mut self.left.own, part, own.0);
+            write(&mut self.left.edge, part, edge.0);
+            write(&mut self.left.to_last, part, to_last.0);
         }
     }
 
     /// Factorise the ring of the eight remaining rows by parallel cyclic reduction; return false where a block is not positive
     /// definite.
     #[inline(always)]
-    fn reduce<S: Simd>(&mut self, simd: S, left: &mut Left<S>) -> bool {
-        let Left {
-            own,
-            edge: coupling,
-            to_last,
-            irregular,
-        } = left;
-        let taken = from_right(simd, *to_last, 1);
+    fn reduce<S: Simd>(&mut self, simd: S, irregular: &mut Mask<S>) -> bool {
+        let mut own = [Symmetric::zero(simd); WIDTH];
+        let mut coupling = [Block::zero(simd); WIDTH];
+        let mut to_last = [Symmetric::zero(simd); WIDTH];
+        for part in parts::<S>() {
+            own[part] = Symmetric::read(simd, &self.left.own, part);
+            coupling[part] = Block::read(simd, &self.left.edge, part);
+            to_last[part] = Symmetric::read(simd, &self.left.to_last, part);
+        }
+        let taken = from_right(simd, to_last, 1);
         for part in parts::<S>() {
             own[part].subtract(&taken[part]);
         }
-        // Round with neighbours at `distance` d, C the coupling of row k with row k - d: S_k -= C_k S_(k-d)⁻¹ C_k^T + C_(k+d)^T
-        // S_(k+d)⁻¹ C_(k+d), and the new coupling with row k - 2 d is -C_k S_(k-d)⁻¹ C_(k-d).
-        for (distance, round) in [1, 2].into_iter().zip(&mut self.rounds) {
-            let mut inverse = [Symmetric::zero(simd); WIDTH];
-            let mut follow = [Block::zero(simd); WIDTH];
-            let mut taken = [Symmetric::zero(simd); WIDTH];
-            for part in parts::<S>() {
-                inverse[part] = own[part].inverse(irregular);
-                follow[part] = inverse[part].times_block(&coupling[part]);
-                taken[part] = coupling[part].transposed_times(&follow[part]);
-            }
-            let inverse = from_left(simd, inverse, distance);
-            let beyond = from_left(simd, *coupling, distance);
-            let follow = from_right(simd, follow, distance);
-            let taken = from_right(simd, taken, distance);
-            for part in parts::<S>() {
-                let share = coupling[part].times_symmetric(&inverse[part]);
-                own[part].subtract(&taken[part]);
-                own[part].sub_product(&share, &coupling[part].transposed());
-                coupling[part] = share.times(&beyond[part]).negated();
-                write(&mut round.left, part, share.0);
-                write(&mut round.right, part, follow[part].transposed().0);
-            }
-        }
+        // Two calls with constant distances: vectors are then rotated within registers.
+        let [first, second] = &mut self.rounds;
+        first.eliminate(simd, 1, (&mut own, &mut coupling), irregular);
+        second.eliminate(simd, 2, (&mut own, &mut coupling), irregular);
         // Distance four: both neighbours are the same row, and the couplings add.
         let mut inverse = [Symmetric::zero(simd); WIDTH];
         for part in parts::<S>() {
             inverse[part] = own[part].inverse(irregular);
         }
         let inverse = from_left(simd, inverse, WIDTH / 2);
-        let across = from_left(simd, *coupling, WIDTH / 2);
+        let across = from_left(simd, coupling, WIDTH / 2);
         for part in parts::<S>() {
             let both = coupling[part].plus(&across[part].transposed());
             let share = both.times_symmetric(&inverse[part]);
@@ -320,35 +352,9 @@ impl Ring {
             return factorise_short(dense, self.hinges, blocks);
         }
         self.gather_blocks(simd, blocks);
-        let mut left = Left::nothing(simd);
-        self.eliminate(simd, &mut left);
-        self.reduce(simd, &mut left)
-    }
-}
-
-/// Result of the elimination of the eight parts.
-struct Left<S: Simd> {
-    /// Blocks of the last hinges.
-    own: [Symmetric<S>; WIDTH],
-    /// Couplings of each last hinge with the last hinge of the previous part.
-    edge: [Block<S>; WIDTH],
-    /// Blocks that each part subtracts from the last hinge of the previous part.
-    to_last: [Symmetric<S>; WIDTH],
-    /// Lanes with a block that is not positive definite.
-    irregular: Mask<S>,
-}
-
-impl<S: Simd> Left<S> {
-    /// Return zero blocks and no irregular lane.
-    #[inline(always)]
-    fn nothing(simd: S) -> Self {
-        let number = lane_numbers(simd);
-        Self {
-            own: all(Symmetric::zero(simd)),
-            edge: all(Block::zero(simd)),
-            to_last: all(Symmetric::zero(simd)),
-            irregular: number.less(number),
-        }
+        let mut irregular = no_lane(simd);
+        self.eliminate(simd, &mut irregular);
+        self.reduce(simd, &mut irregular)
     }
 }
 

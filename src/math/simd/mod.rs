@@ -16,6 +16,7 @@ mod lanes;
 mod ln;
 mod ordered_sums;
 mod pack8;
+mod rotate;
 mod sin_cos;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -34,6 +35,7 @@ pub(super) use ln::scaled_to;
 pub(crate) use ln::{ln_of_quotient, octaves_of_quotient};
 pub(crate) use ordered_sums::{PartialSums, Squares};
 pub(crate) use pack8::{Pack, Pack8, packs, packs_mut, part_of, parts, put_part, read, write};
+pub(crate) use rotate::rotated;
 pub(crate) use sin_cos::sin_cos;
 pub(crate) use transpose::transposed;
 

@@ -4,9 +4,22 @@ use pulp::Simd;
 
 use super::super::blocks::{Block, Symmetric, Vector, from_left, from_right};
 use super::super::contacts::BASE;
-use super::{Ring, gather};
+use super::{Ring, Round, gather};
 use crate::math::dense::Dense;
 use crate::math::simd::{Lanes, Numbers, WIDTH, parts, transposed, vectors_mut, write};
+
+impl Round {
+    /// Eliminate both neighbours at `distance` from the right-hand sides.
+    #[inline(always)]
+    fn reduce<S: Simd>(&self, simd: S, distance: usize, unknowns: &mut [Vector<S>; WIDTH]) {
+        let left = from_left(simd, *unknowns, distance);
+        let right = from_right(simd, *unknowns, distance);
+        for part in parts::<S>() {
+            let rest = Block::read(simd, &self.left, part).less(&unknowns[part], &left[part]);
+            unknowns[part] = Block::read(simd, &self.right, part).less(&rest, &right[part]);
+        }
+    }
+}
 
 impl Ring {
     /// Solve in place: x and y of the unknowns of all hinges, hinge k at [`BASE`] + k.
@@ -117,14 +130,9 @@ impl Ring {
             unknowns[part].subtract(&taken[part]);
         }
         // Cyclic reduction of the eight remaining rows.
-        for (distance, round) in [1, 2].into_iter().zip(&self.rounds) {
-            let left = from_left(simd, unknowns, distance);
-            let right = from_right(simd, unknowns, distance);
-            for part in parts::<S>() {
-                let rest = Block::read(simd, &round.left, part).less(&unknowns[part], &left[part]);
-                unknowns[part] = Block::read(simd, &round.right, part).less(&rest, &right[part]);
-            }
-        }
+        let [first, second] = &self.rounds;
+        first.reduce(simd, 1, &mut unknowns);
+        second.reduce(simd, 2, &mut unknowns);
         let across = from_left(simd, unknowns, WIDTH / 2);
         for part in parts::<S>() {
             let right =
