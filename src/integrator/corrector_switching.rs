@@ -147,7 +147,7 @@ impl Adams {
         // A low order shows contact onsets in nearly every step.
         let limited = !longest && (k <= LOW_ORDER || unstable());
         // The implicit corrector's norm is a root mean square; that in use is Euclidean.
-        let factor = mean_square_factor(&self.control, system.controlled()).sqrt();
+        let factor = mean_square_factor(&self.control, system.counted()).sqrt();
         let difference = || (self.history).norm_of_difference(self.instructions, &self.norm, 2);
         // Truncation error of the trapezoidal rule for the present step size.
         let at_order_two = || factor * h * gamma_star(2) * difference();

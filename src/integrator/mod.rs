@@ -78,6 +78,11 @@ pub trait SecondOrderSystem: OdeSystem {
     /// Return the number of coordinates.
     fn coordinates(&self) -> usize;
 
+    /// Return the number of components in a mean of errors: all controlled ones without padding.
+    fn counted(&self) -> usize {
+        self.controlled()
+    }
+
     /// Write the derivatives of the velocities and sums; those of the coordinates may be left out.
     fn accelerations(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.derivative(t, y, dydt);

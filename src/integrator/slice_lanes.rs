@@ -1,6 +1,6 @@
 //! SIMD vectors of a part of a padded array, whose last vector may be partly filled.
 //!
-//! Velocities follow the coordinates at any offset from a cache line, and sums follow the velocities. A slice is read in groups of a
+//! Velocities of mechanisms follow the coordinates at any offset from a cache line, and sums follow the velocities. A slice is read in groups of a
 //! constant length: their vectors need no check of bounds.
 
 use pulp::Simd;

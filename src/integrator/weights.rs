@@ -74,7 +74,7 @@ impl ErrorNorm {
         }
         // One tolerance serves both correctors with different norms (decision 21).
         if mean {
-            self.factor = mean_square_factor(control, controlled);
+            self.factor = mean_square_factor(control, system.counted());
         }
         if starting {
             self.inverse_weight.fill(0.0);
@@ -142,11 +142,11 @@ impl ErrorNorm {
 }
 
 /// Return the factor that makes a sum of squares a mean square where `accuracy` is the tolerance; 1 elsewhere.
-pub(super) fn mean_square_factor(control: &StepControl, controlled: usize) -> f64 {
+pub(super) fn mean_square_factor(control: &StepControl, counted: usize) -> f64 {
     if control.is_by_component() {
         1.0
     } else {
-        1.0 / controlled as f64
+        1.0 / counted as f64
     }
 }
 

@@ -64,7 +64,8 @@ fn nothing_touches_before_the_first_tooth_at_4_09_ms_and_the_first_hinge_at_4_32
 
 #[test]
 fn the_path_to_6_ms_converges_whatever_the_largest_step() {
-    // From 4 to 6 ms errors grow 250 to 600 times. Measured: 2.6e-9, 7e-10, 4e-11 and 6e-12 m from the finest run.
+    // From 4 to 6 ms errors grow 250 to 600 times. Twelve runs at 1e-9, whose tolerances differ by a percent, are 8e-10 to 1.1e-8 m from
+    // the finest run; six at 1e-10 are 7e-11 to 1e-9 m from it.
     let with = |tolerance: f64, max_step: f64| {
         let mut simulation = run(StepControl {
             max_step,
@@ -74,7 +75,7 @@ fn the_path_to_6_ms_converges_whatever_the_largest_step() {
         simulation
     };
     let finest = with(1e-12, 3e-5);
-    for (tolerance, bound) in [(1e-9, 1e-8), (1e-10, 4e-9), (1e-11, 4e-10), (1e-12, 1e-10)] {
+    for (tolerance, bound) in [(1e-9, 2e-8), (1e-10, 4e-9), (1e-11, 4e-10), (1e-12, 1e-10)] {
         for max_step in [1e-4, 3e-5] {
             let apart = distance(&with(tolerance, max_step), &finest);
             assert!(

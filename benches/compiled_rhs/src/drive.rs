@@ -164,6 +164,8 @@ impl Evolving for DriveSystem {
         let model = self.dynamics.model();
         let (nq, n) = (model.coordinates, model.links);
         let mut lengths = vec![1.0; nq];
+        // The padding has no error: its scale is infinite.
+        lengths[model.used_coordinates..].fill(0.0);
         for (q, length) in lengths.iter_mut().enumerate().skip(2 * n) {
             let body = model.body_of_coordinate(q);
             if q < 3 * n {
@@ -275,7 +277,8 @@ fn folded(model: &Model) -> Pattern {
             (0..6).map(move |c| (colour..n).step_by(5).map(|place| 6 * place + c).collect())
         })
         .collect();
-    groups.extend((6 * n..2 * nq).map(|place| vec![place]));
+    // Columns of the padding, which comes last, are zero.
+    groups.extend((6 * n..2 * model.used_coordinates).map(|place| vec![place]));
     Pattern {
         component,
         half_width: 17,

@@ -32,7 +32,7 @@ impl Dynamics {
         (t, y): (f64, &[f64]),
         (gamma, correction): (f64, &[f64]),
     ) -> Powers {
-        let border = &correction[3 * self.model.links..self.model.coordinates];
+        let border = &correction[3 * self.model.links..self.model.body_coordinates()];
         let (end, correction) = ((t, y), (gamma, border));
         self.powers = (self.kernels).corrected_powers(&self.model, &self.powers, end, correction);
         self.powers

@@ -43,6 +43,10 @@ impl SecondOrderSystem for Dynamics {
         self.model.coordinates
     }
 
+    fn counted(&self) -> usize {
+        2 * self.model.used_coordinates
+    }
+
     fn accelerations(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.kernels.take_hinge_forces(true);
         self.accelerate(t, y, &mut dydt[self.model.coordinates..]);
@@ -90,15 +94,10 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn correct(&mut self, residual: &mut [f64]) {
-        let places = self.model.bristles.all();
-        if places.is_empty() {
-            self.kernels.correct(&self.model, residual);
-            return;
-        }
-        // The evaluation has solved for the deflections of the bristles: their corrections are zero.
-        let (bodies, bristles) = residual.split_at_mut(places.start);
+        // The evaluation has solved for the deflections of the bristles: their corrections are zero, as those of the padding.
+        let (bodies, rest) = residual.split_at_mut(self.model.body_coordinates());
         self.kernels.correct(&self.model, bodies);
-        bristles.fill(0.0);
+        rest.fill(0.0);
     }
 
     fn stiffness_residual(&self) -> Option<&[f64]> {
@@ -109,6 +108,8 @@ impl SecondOrderSystem for Dynamics {
         let model = &self.model;
         let n = model.links;
         lengths.fill(1.0);
+        // The padding has no error.
+        lengths[model.used_coordinates..].fill(0.0);
         lengths[2 * n..3 * n].fill(model.half_pitch);
         if model.hinges.ideal {
             for length in &mut lengths[..3 * n] {

@@ -142,6 +142,7 @@ impl Dynamics {
     /// Write the accelerations at (`t`, `y`) of all coordinates.
     fn accelerate(&mut self, t: f64, y: &[f64], accelerations: &mut [f64]) {
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
+        accelerations[model.used_coordinates..model.coordinates].fill(0.0);
         kernels.keep_powers(self.keeps_energy);
         if let Some(powers) = kernels.accelerations(model, memory, t, y, accelerations) {
             self.powers = powers;

@@ -11,6 +11,7 @@ use crate::drive::{ChainEnd, Drive, HingeKind, Link};
 use crate::error::Result;
 use crate::force_law::{ForceLaw, PairTable, SurfacePair, tooth_surfaces};
 use crate::layout::{InitialConfiguration, check_places, strands};
+use crate::math::simd::padded;
 
 /// Counter that allocates generalized coordinates.
 pub(super) struct Coordinates(pub(super) usize);
@@ -62,7 +63,8 @@ impl Model {
         let (pin, clearance) = (chain.hinge.pin_radius, chain.hinge.clearance());
         Ok(Self {
             links,
-            coordinates: coordinates.0,
+            coordinates: padded(coordinates.0),
+            used_coordinates: coordinates.0,
             half_pitch: 0.5 * chain.pitch,
             chain: ChainBodies::of(drive, ends.as_ref()),
             hinges: HingeModel {

@@ -37,8 +37,11 @@ pub struct Model {
     pub links: usize,
     /// Ends of an open chain; `None` for a closed chain.
     pub ends: Option<OpenEnds>,
-    /// Number of generalized coordinates.
+    /// Number of positions in a state, and of velocities: the generalized coordinates, and zeros up to whole SIMD vectors. Vectors of the
+    /// velocities then do not cross cache lines.
     pub coordinates: usize,
+    /// Number of generalized coordinates.
+    pub used_coordinates: usize,
     /// Half the nominal pitch \[m\].
     pub half_pitch: f64,
     /// Lengths and inertias of the links.
@@ -239,10 +242,16 @@ impl Model {
         self.links + self.roller_count() + s
     }
 
+    /// Return the number of coordinates of all bodies, which precede those of the bristles.
+    #[must_use]
+    pub fn body_coordinates(&self) -> usize {
+        self.used_coordinates - self.bristles.all().len()
+    }
+
     /// Return the number of coordinates of sprockets and guides.
     #[must_use]
     pub fn wheel_coordinates(&self) -> usize {
-        self.coordinates - 3 * (self.links + self.roller_count()) - self.bristles.all().len()
+        self.body_coordinates() - 3 * (self.links + self.roller_count())
     }
 
     /// Return the names of the bodies, in the order of every array over bodies.

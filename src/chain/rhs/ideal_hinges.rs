@@ -60,7 +60,7 @@ impl IdealHinges {
             lack: padded(),
             direction: [padded_zeros(n + WIDTH), padded_zeros(n + WIDTH)],
             ends: [(); 4].map(|()| padded_zeros(n + WIDTH)),
-            change: vec![0.0; model.coordinates - model.bristles.all().len()],
+            change: vec![0.0; model.body_coordinates()],
             residual: vec![0.0; model.coordinates],
         })
     }
