@@ -44,7 +44,7 @@ impl Motion {
     /// Read the state `y` = [q, dq/dt, ...] at time `t` \[s\].
     pub fn read(&mut self, model: &Model, t: f64, y: &[f64]) {
         let n = model.links;
-        // q = [all link x, all link y, all link θ, sprockets and guides, all roller x, all roller y, all roller θ, bristles]
+        // q = [all link x, all link y, all link θ, sprockets and guides, all roller x, all roller y, all roller θ, bristles, padding]
         let (q, v) = (
             &y[..model.coordinates],
             &y[model.coordinates..2 * model.coordinates],

@@ -5,9 +5,9 @@ use crate::common::checks::{floating, keeps_momentum, lacks, largest};
 use crate::common::rubbing::{
     Standing, both_chains, kernels_beside_reference, lost, pulled, standing,
 };
-use rustchain::drive::InputQuantity as Quantity;
+use rustchain::drive::{HingeKind, InputQuantity as Quantity};
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
-use rustchain::integrator::{Adams, Corrector, SecondOrderSystem, StepControl};
+use rustchain::integrator::{Adams, Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::{ForceLaws, Simulation};
 
 fn bristles() -> LuGre {
@@ -233,4 +233,49 @@ fn two_frictions_in_one_place_are_refused() {
     let (start, _) = rustchain::layout::InitialConfiguration::generate(&drive).unwrap();
     let refused = rustchain::Model::compile(&drive, &laws, &start).unwrap_err();
     assert!(refused.to_string().contains("hinge_friction"), "{refused}");
+}
+
+#[test]
+fn the_padding_of_a_state_has_no_derivative_error_or_correction() {
+    let mut ideal = common::paper_drive();
+    ideal.hinge_kind = HingeKind::Ideal;
+    let drives = both_chains().into_iter().chain([ideal]);
+    let mut padded = 0;
+    for (drive, laws) in drives.flat_map(|drive| {
+        let [hinges, teeth, both] = places(bristles());
+        let plain = ForceLaws::default();
+        let with_clearance = drive.hinge_kind == HingeKind::Clearance;
+        let laws = [Some(plain), Some(teeth), with_clearance.then_some(hinges)];
+        let laws = laws.into_iter().chain([with_clearance.then_some(both)]);
+        laws.flatten()
+            .map(|laws| (drive.clone(), laws))
+            .collect::<Vec<_>>()
+    }) {
+        let run = pulled(drive, &laws, 100.0, control(Corrector::Newton));
+        let mut dynamics = run.dynamics().clone();
+        let y = run.integrator().y().to_vec();
+        let (used, all) = (
+            dynamics.model().used_coordinates,
+            dynamics.model().coordinates,
+        );
+        assert!(used <= all && all < used + 8 && all.is_multiple_of(8));
+        padded += all - used;
+        let mut scale = vec![f64::NAN; all];
+        dynamics.scale(&mut scale);
+        let mut slope = vec![f64::NAN; 2 * all];
+        dynamics.derivative(0.0, &y, &mut slope);
+        dynamics.accelerations_with_slopes(0.0, &y, &mut slope);
+        assert!(dynamics.factorise(&y, 1e-7));
+        let mut residual = vec![1e-3; all];
+        dynamics.correct(&mut residual);
+        assert_eq!(dynamics.counted(), 2 * used);
+        for i in used..all {
+            let found = [scale[i], slope[i], slope[all + i], residual[i]];
+            assert_eq!(found, [0.0; 4], "{i} of {used}");
+        }
+        for i in 0..used {
+            assert!(scale[i] > 0.0 && slope[all + i].is_finite() && residual[i].is_finite());
+        }
+    }
+    assert!(padded > 0);
 }

@@ -108,8 +108,6 @@ impl SecondOrderSystem for Dynamics {
         let model = &self.model;
         let n = model.links;
         lengths.fill(1.0);
-        // The padding has no error.
-        lengths[model.used_coordinates..].fill(0.0);
         lengths[2 * n..3 * n].fill(model.half_pitch);
         if model.hinges.ideal {
             for length in &mut lengths[..3 * n] {
@@ -124,6 +122,8 @@ impl SecondOrderSystem for Dynamics {
             lengths[rollers.first..].fill(share);
             lengths[rollers.first + 2 * n..].fill(share * model.teeth.contact_radius);
         }
+        // The padding has no error.
+        lengths[model.used_coordinates..].fill(0.0);
         let places = &model.bristles;
         for (range, law) in [
             (places.hinges.clone(), &model.hinges.bristles),

@@ -69,7 +69,9 @@ impl System for Dynamics {
     /// Use the contacts of the last evaluation, that of the failed step; without any, those of the dense output at `time`.
     fn culprit(&mut self, adams: &Adams, time: f64, component: usize) -> String {
         let model = Arc::clone(&self.model);
-        let body = model.body_of_coordinate(component % model.coordinates);
+        // Where all errors are zero, the last component is named, which is padding.
+        let coordinate = (component % model.coordinates).min(model.used_coordinates - 1);
+        let body = model.body_of_coordinate(coordinate);
         let contact = self.busiest_contact(Some(body)).or_else(|| {
             let mut y = vec![0.0; self.dimension()];
             adams.interpolate(time, &mut y);

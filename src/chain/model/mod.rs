@@ -26,8 +26,8 @@ use crate::math::Signal;
 /// Complete model of a drive, constant during a run.
 ///
 /// Bodies: links first, then rollers, then sprockets and guides. Generalized coordinates q: all link x, all link y, all link θ, those of
-/// the sprockets and guides, all roller x, all roller y, all roller θ, and the integrals of the bristle deflections, see
-/// [`BristlePlaces`].
+/// the sprockets and guides, all roller x, all roller y, all roller θ, the integrals of the bristle deflections, see
+/// [`BristlePlaces`], and zeros up to a multiple of eight.
 ///
 /// Hinge `k` joins the front of link `k` and the rear of link `k + 1`; bushing `k` belongs to the inner one of these links. An open chain
 /// is closed to a ring by the two bodies at its ends, which count as links; see [`OpenEnds`].
