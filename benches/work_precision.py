@@ -5,7 +5,8 @@ machine) and writes docs/performance/work-precision.json, and from it the chart 
 work-precision.md and work-precision-tables.md. `--only SCENE`, as often as wanted, runs these alone
 and puts them into the last full run's place; `--redraw` writes chart and pages of the last run;
 `--test` runs a few short scenes (or those of `--only`, shortened) and writes nothing. Nothing is
-written either where the load of the machine or the spread of times is too large: exit status 1.
+written where the load of the machine or the spread of times is too large: such a scene runs again,
+at most three times in all, and then the exit status is 1.
 """
 
 from __future__ import annotations
@@ -129,6 +130,7 @@ KNOWN = {
     "CVODE Adams, functional": decades(-3, -11, 0.5),
     "CVODE BDF": decades(-3, -9, 0.5),
 }
+ATTEMPTS = 3  # of a scene, until one is quiet
 LONG = {"auto": [1e-9, 1e-10], "newton": [1e-10], "pece": [1e-10]}
 
 
@@ -238,17 +240,26 @@ class Record:
         """Keep the long runs."""
         self.found["long"] = long_runs(0.05 if self.tried else 2.0)
 
-    def demand_quiet(self, name, loads):
-        """Stop where the machine was busy before a scene, or during it."""
+    def why_disturbed(self, name, loads):
+        """Say why the machine was not quiet before a scene, or during it; nothing where it was."""
         times = [line["times"] for line in self.found["lines"] if line["scene"] == name]
-        if not self.tried and (why := disturbance(loads, times)):
-            sys.exit(f"error: {name}: {why}. Nothing is written; run again on a quiet machine.")
+        return "" if self.tried else disturbance(loads, times)
 
     def make(self, name, scene):
-        """Run one scene; note how busy the machine was."""
+        """Run one scene until the machine is quiet during it, at most `ATTEMPTS` times."""
+        for _ in range(ATTEMPTS):
+            why = self.attempt(name, scene)
+            if not why:
+                return
+            print(f"{name}: {why}", flush=True)
+        sys.exit(f"error: {name}: {why}. Nothing is written; run again on a quiet machine.")
+
+    def attempt(self, name, scene):
+        """Run one scene once; note how busy the machine was. Return why that was too much."""
         before = os.getloadavg()[0] if self.tried else faded_load()
+        if why := self.why_disturbed(f"before {name}", [before]):
+            return why
         begin = (time.perf_counter(), time.process_time())
-        self.demand_quiet(f"before {name}", [before])
         scene()
         seconds, own_seconds = time.perf_counter() - begin[0], time.process_time() - begin[1]
         self.found["load"][name] = [before, os.getloadavg()[0]]
@@ -259,7 +270,7 @@ class Record:
             f"load {before:.1f} before, {os.getloadavg()[0]:.1f} after",
             flush=True,
         )
-        self.demand_quiet(name, self.found["load"][name])
+        return self.why_disturbed(name, self.found["load"][name])
 
 
 def faded_load():

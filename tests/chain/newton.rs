@@ -71,7 +71,7 @@ fn errors_of_corrected_powers(run: &Simulation, gamma: f64, part: f64) -> [f64; 
     let nq = dynamics.coordinates();
     let mut slope = vec![0.0; y.len()];
     dynamics.accelerations_with_slopes(t, &y, &mut slope);
-    let before = dynamics.powers();
+    let before = dynamics.powers(t);
     assert!(dynamics.factorise(&y, gamma));
     let mut correction: Vec<f64> = slope[nq..].iter().map(|a| part * gamma * a).collect();
     dynamics.correct(&mut correction);
@@ -80,7 +80,8 @@ fn errors_of_corrected_powers(run: &Simulation, gamma: f64, part: f64) -> [f64; 
         corrected[i] += gamma * velocity;
         corrected[nq + i] += velocity;
     }
-    let found = dynamics.correct_powers((t, &corrected), (gamma, &correction));
+    dynamics.correct_powers((t, &corrected), (gamma, &correction));
+    let found = dynamics.powers(t);
     let exact = dynamics.evaluate(t, &corrected);
     [
         found.dissipated - exact.dissipated,

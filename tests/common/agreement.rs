@@ -123,7 +123,7 @@ fn ratio(a: f64, b: f64, error: f64) -> f64 {
 pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
     let mut dydt = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut dydt);
-    let found = dynamics.powers().losses.values();
+    let found = dynamics.powers(t).losses.values();
     let reference = Reference::of(dynamics, t, y);
     dynamics.evaluate(t, y);
     let model = dynamics.model().clone();

@@ -60,7 +60,7 @@ impl DriveSystem {
             energy_at_start,
             metered,
             passed: Powers::default(),
-            last_powers: dynamics.powers(),
+            last_powers: dynamics.powers(0.0),
             slope,
             inside: y.clone(),
             start: y,
@@ -104,7 +104,7 @@ impl DriveSystem {
                 let t = step.start + width * (panel as f64 + point);
                 step.at(t, &mut self.inside);
                 self.dynamics.derivative(t, &self.inside, &mut self.slope);
-                self.last_powers = self.dynamics.powers();
+                self.last_powers = self.dynamics.powers(t);
                 sum += self.last_powers.scaled(*weight);
             }
             self.passed += sum.scaled(width);

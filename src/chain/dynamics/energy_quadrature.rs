@@ -2,7 +2,7 @@
 //!
 //! The path is the cubic through values and slopes at both ends of the step, whatever the integrator's order.
 
-use super::{Dynamics, Powers};
+use super::Dynamics;
 use crate::integrator::{Adams, Step};
 
 impl Dynamics {
@@ -15,7 +15,8 @@ impl Dynamics {
     pub(super) fn begin_energy_quadrature(&mut self, adams: &Adams) {
         self.keep_energy(true);
         self.differentiate(adams.time(), adams.y());
-        self.quadrature.begin(adams.time(), self.powers);
+        self.quadrature
+            .begin(adams.time(), self.powers(adams.time()));
     }
 
     /// Begin the next step with the powers at the present state of `adams`, while energy is kept: they may have jumped at a start.
@@ -25,17 +26,11 @@ impl Dynamics {
         }
     }
 
-    /// Change the powers of the last evaluation, which wrote slopes, to those at (`t`, `y`), and return them. `y` is the evaluated state after
-    /// the last correction of the velocities with γ.
-    pub fn correct_powers(
-        &mut self,
-        (t, y): (f64, &[f64]),
-        (gamma, correction): (f64, &[f64]),
-    ) -> Powers {
+    /// Change the powers of the last evaluation, which wrote slopes, to those at (`t`, `y`). `y` is the evaluated state after the last
+    /// correction of the velocities with γ.
+    pub fn correct_powers(&mut self, end: (f64, &[f64]), (gamma, correction): (f64, &[f64])) {
         let border = &correction[3 * self.model.links..self.model.body_coordinates()];
-        let (end, correction) = ((t, y), (gamma, border));
-        self.powers = (self.kernels).corrected_powers(&self.model, &self.powers, end, correction);
-        self.powers
+        (self.kernels).correct_powers(&self.model, end, (gamma, border));
     }
 
     /// Return whether the slopes of all powers are known: damped contacts of hinges and teeth alone.
@@ -63,14 +58,16 @@ impl Dynamics {
         let (model, memory, y) = (&self.model, &self.memory, &mut self.inside);
         let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
         // `rates` is scratch for the rates of bristles.
-        let mut powers_at = |t: f64, y: &[f64]| self.kernels.powers(model, memory, t, y, rates);
-        if corrected.is_some() && !by_slopes {
-            self.powers = powers_at(step.end, adams.y());
+        let kernels = &mut self.kernels;
+        let at_end = if corrected.is_some() && !by_slopes {
             self.quadrature.count_evaluation();
-        }
-        (self.quadrature).add_step(step, (self.powers, smooth), |part, t| {
+            kernels.powers(model, memory, step.end, adams.y(), rates)
+        } else {
+            kernels.last_powers(model, step.end)
+        };
+        (self.quadrature).add_step(step, (at_end, smooth), |part, t| {
             adams.write_cubic(part, y);
-            powers_at(t, &y[..dimension])
+            kernels.powers(model, memory, t, &y[..dimension], rates)
         });
     }
 }

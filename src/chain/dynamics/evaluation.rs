@@ -70,7 +70,8 @@ impl Dynamics {
         let (model, memory, place) = (&self.model, &self.memory, (&self.evaluated.motion, t));
         kernels.candidates.invalidate();
         kernels.keep_powers(self.keeps_energy);
-        let powers = kernels.evaluate_placed(model, memory, place, state, accelerations);
+        kernels.evaluate_placed(model, memory, place, state, accelerations);
+        let powers = (self.keeps_energy).then(|| kernels.last_powers(model, t));
         self.evaluated.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
         self.evaluated
             .accelerations

@@ -1,6 +1,5 @@
 //! Load of the chain on a sprocket, acceleration of the sprocket, and power of its motor, torque and tensioner.
 
-use super::Powers;
 use crate::chain::model::{Rotation, SprocketModel, Support};
 use crate::chain::motion::Motion;
 use crate::geometry::{Vec2, turned_left};
@@ -72,7 +71,7 @@ pub(crate) fn sprocket_acceleration(
     (center, angle)
 }
 
-/// Return the powers of a sprocket's motor, applied torque, tensioner and dashpots.
+/// Return the power dissipated in a sprocket's dashpots, and the external power of its motor, applied torque and tensioner \[W\].
 ///
 /// A sprocket with prescribed speed is a support: its own kinetic energy is not part of the balance. Its external work is here the work of
 /// its teeth on the chain; reports add the change of that energy.
@@ -81,24 +80,21 @@ pub(crate) fn outside_powers(
     moves: &Moves,
     chain: &SprocketLoad,
     t: f64,
-) -> Powers {
+) -> [f64; 2] {
     let spin = moves.spin;
-    let mut powers = Powers {
-        dissipated: 0.0,
-        external_work: match &sprocket.rotation {
-            Rotation::Prescribed(_) => -chain.moment * spin,
-            Rotation::Free { .. } => sprocket.applied_torque(t, spin) * spin,
-        },
-        ..Powers::default()
+    let mut dissipated = 0.0;
+    let mut external = match &sprocket.rotation {
+        Rotation::Prescribed(_) => -chain.moment * spin,
+        Rotation::Free { .. } => sprocket.applied_torque(t, spin) * spin,
     };
     if let Some(swing) = sprocket.swing {
-        powers.dissipated += swing.dashpot(spin) * spin * spin;
+        dissipated += swing.dashpot(spin) * spin * spin;
     }
     if let Support::Slide { guide, .. } = sprocket.support {
         let (_, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
         let speed = moves.velocity.dot(&tangent);
-        powers.external_work += sprocket.pull(t) * speed;
-        powers.dissipated += guide.dashpot(speed) * speed * speed;
+        external += sprocket.pull(t) * speed;
+        dissipated += guide.dashpot(speed) * speed * speed;
     }
-    powers
+    [dissipated, external]
 }

@@ -61,8 +61,6 @@ pub struct Dynamics {
     /// Kernels for reports, separate from those of the steps.
     reader: Box<ReportKernels>,
     keeps_energy: bool,
-    /// Powers at the last evaluation of the right-hand side, with energy metering on.
-    powers: Powers,
     quadrature: EnergyQuadrature<Powers>,
     inputs: Inputs,
     events: ContactEvents,
@@ -97,7 +95,6 @@ impl Dynamics {
             kernels: Kernels::new(&model),
             reader: Box::new(ReportKernels::new(&model)),
             keeps_energy: false,
-            powers: Powers::default(),
             quadrature: EnergyQuadrature::new(),
             inputs: Inputs::new(&model),
             events: ContactEvents::new(&model),
@@ -124,13 +121,12 @@ impl Dynamics {
     /// Switch energy metering on or off: powers, and with them the sums of the energy balance.
     pub fn keep_energy(&mut self, keep: bool) {
         self.keeps_energy = keep;
-        self.powers = Powers::default();
     }
 
-    /// Return the powers at the last evaluation of the right-hand side with energy metering.
+    /// Return the powers at the last evaluation of the right-hand side, which was at `t` and with energy metering.
     #[must_use]
-    pub fn powers(&self) -> Powers {
-        self.powers
+    pub fn powers(&self, t: f64) -> Powers {
+        self.kernels.last_powers(&self.model, t)
     }
 
     /// Return the energies at the last evaluation.
@@ -144,9 +140,7 @@ impl Dynamics {
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
         accelerations[model.used_coordinates..model.coordinates].fill(0.0);
         kernels.keep_powers(self.keeps_energy);
-        if let Some(powers) = kernels.accelerations(model, memory, t, y, accelerations) {
-            self.powers = powers;
-        }
+        kernels.accelerations(model, memory, t, y, accelerations);
     }
 
     /// Evaluate the right-hand side at (`t`, `y`) outside of a step and discard the derivative.

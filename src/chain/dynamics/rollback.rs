@@ -53,7 +53,7 @@ impl Dynamics {
         self.begin_watch(t, y);
         self.kernels.end_step();
         if self.keeps_energy {
-            self.quadrature.begin(t, self.powers);
+            self.quadrature.begin(t, self.powers(t));
         }
     }
 

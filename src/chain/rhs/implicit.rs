@@ -1,7 +1,6 @@
 //! Implicit steps: slopes for Newton's matrix, its factors and corrections, and bristles as local unknowns.
 
 use super::{Kernels, on_teeth};
-use crate::chain::dynamics::Powers;
 use crate::chain::model::Model;
 use crate::chain::newton::{Evaluated, NewtonMatrix};
 
@@ -52,28 +51,25 @@ impl Kernels {
         }
     }
 
-    /// Return the powers at (`t`, `y`), where `y` is the last evaluated state after a correction with γ, whose part on the border is
-    /// `border`. `powers` are those of the last evaluation.
-    pub(crate) fn corrected_powers(
+    /// Change loads and losses of the last evaluation, and motions of the sprockets, to those at (`t`, `y`). There `y` is the evaluated state
+    /// after a correction with γ, whose part on the border is `border`.
+    pub(crate) fn correct_powers(
         &mut self,
         model: &Model,
-        powers: &Powers,
         (t, y): (f64, &[f64]),
         (gamma, border): (f64, &[f64]),
-    ) -> Powers {
-        let mut losses = powers.losses;
+    ) {
         let mut loads = std::mem::take(&mut self.loads);
         if let Some(mut newton) = self.newton.take() {
             let evaluated = self.evaluated(&[], false);
             let [hinges, teeth] =
                 newton.power_change(model, &evaluated, (gamma, border), &mut loads);
             self.newton = Some(newton);
-            losses.hinge_contact += hinges;
-            losses.tooth_contact += teeth;
+            self.losses.hinge_contact += hinges;
+            self.losses.tooth_contact += teeth;
         }
         self.loads = loads;
         self.place_sprockets(model, t, y);
-        self.all_powers(model, losses, t)
     }
 
     /// Overwrite a residual of the velocities with the correction, the solution with the last matrix.

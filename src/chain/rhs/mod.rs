@@ -66,6 +66,8 @@ pub(crate) struct Kernels {
     kind: Vec<usize>,
     poses: Vec<SprocketPose>,
     loads: Vec<SprocketLoad>,
+    /// Power dissipated in contacts at the last evaluation, where powers are kept \[W\].
+    losses: Losses,
     /// By [`ContactKind`]: whether the contact states of the last evaluation differ from the impact velocity memory. Either a
     /// contact has no memory, or a memory has no contact.
     changed: [bool; 3],
@@ -112,6 +114,7 @@ impl Kernels {
             kind,
             poses: vec![SprocketPose::default(); sprockets],
             loads: vec![SprocketLoad::default(); sprockets],
+            losses: Losses::default(),
             changed: [true; 3],
             speed_squared: 0.0,
             newton: (model.hinges.ideal).then(|| Box::new(NewtonMatrix::new(model))),
@@ -144,7 +147,7 @@ impl Kernels {
         std::mem::replace(&mut self.writes_gaps, write)
     }
 
-    /// Write the accelerations at (`t`, `y`) into `accelerations`, coordinate by coordinate; return the powers where they are kept.
+    /// Write the accelerations at (`t`, `y`) into `accelerations`, coordinate by coordinate.
     pub(crate) fn accelerations(
         &mut self,
         model: &Model,
@@ -152,9 +155,9 @@ impl Kernels {
         t: f64,
         y: &[f64],
         accelerations: &mut [f64],
-    ) -> Option<Powers> {
+    ) {
         self.place_sprockets(model, t, y);
-        self.accelerate_placed(model, memory, t, y, accelerations)
+        self.accelerate_placed(model, memory, t, y, accelerations);
     }
 
     /// Evaluate as [`Self::accelerations`] with sprockets that are positioned already.
@@ -165,8 +168,8 @@ impl Kernels {
         t: f64,
         y: &[f64],
         accelerations: &mut [f64],
-    ) -> Option<Powers> {
-        let losses = self.evaluate_forces(model, memory, y, accelerations);
+    ) {
+        self.evaluate_forces(model, memory, y, accelerations);
         self.put_bristles(model, accelerations);
         self.accelerate_links(model, accelerations);
         self.accelerate_rollers(model, accelerations);
@@ -175,7 +178,6 @@ impl Kernels {
         }
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
         self.close_hinges(model, &memory.pawls, y, accelerations);
-        self.keeps_powers.then(|| self.all_powers(model, losses, t))
     }
 
     /// Return the powers at (`t`, `y`) without accelerations. `bristle_rates` as for [`Self::evaluate_joints`].
@@ -190,47 +192,47 @@ impl Kernels {
         self.place_sprockets(model, t, y);
         self.keep_powers(true);
         let writes_gaps = self.write_gaps(false);
-        let losses = self.evaluate_forces(model, memory, y, bristle_rates);
+        self.evaluate_forces(model, memory, y, bristle_rates);
         self.write_gaps(writes_gaps);
-        self.all_powers(model, losses, t)
+        self.last_powers(model, t)
     }
 
-    /// Evaluate the forces of all contacts at `y`; return the losses.
+    /// Evaluate the forces of all contacts at `y`, and the losses where powers are kept.
     fn evaluate_forces(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
         y: &[f64],
         bristle_rates: &mut [f64],
-    ) -> Losses {
-        let (moved_squared, mut losses) = self.evaluate_joints(model, memory, y, bristle_rates);
-        let at = (y, moved_squared);
-        self.evaluate_all_teeth(model, memory, at, bristle_rates, &mut losses);
-        losses
+    ) {
+        let moved_squared = self.evaluate_joints(model, memory, y, bristle_rates);
+        self.evaluate_all_teeth(model, memory, (y, moved_squared), bristle_rates);
     }
 
-    /// Return all powers: those of the contacts, and those of moving ends, motors, applied torques, tensioners and dashpots with the present
-    /// motion and loads.
-    fn all_powers(&self, model: &Model, losses: Losses, t: f64) -> Powers {
-        let mut powers = Powers::of(losses);
+    /// Return all powers at the last evaluation, which was at `t` and kept powers: those of the contacts, and those of moving ends, motors,
+    /// applied torques, tensioners and dashpots.
+    pub(crate) fn last_powers(&self, model: &Model, t: f64) -> Powers {
+        let mut powers = Powers::of(self.losses);
         if let Some(ends) = &model.ends {
             powers.external_work += ends.external_work(self.on_ends(ends), t);
         }
         for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads) {
-            powers += outside_powers(sprocket, &pose.moves(), load, t);
+            let [dissipated, external] = outside_powers(sprocket, &pose.moves(), load, t);
+            powers.dissipated += dissipated;
+            powers.external_work += external;
         }
         powers
     }
 
-    /// Evaluate hinges and rollers at `y`; return the largest squared distance of the bodies on the teeth from their references
-    /// \[m²\], and the losses. `bristle_rates` is the array of all accelerations, of which only the rates of the bristles are written.
+    /// Evaluate hinges and rollers at `y`, and their losses; return the largest squared distance of the bodies on the teeth from their
+    /// references \[m²\]. `bristle_rates` is the array of all accelerations, of which only the rates of the bristles are written.
     fn evaluate_joints(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
         y: &[f64],
         bristle_rates: &mut [f64],
-    ) -> (f64, Losses) {
+    ) -> f64 {
         self.take_bristles(model, y, bristle_rates);
         if model.has_moments() {
             self.chain.clear_moments();
@@ -258,7 +260,7 @@ impl Kernels {
         }
         let rollers_changed = rolling.is_some_and(|found| found.changed);
         self.changed = [chain.changed, rollers_changed, false];
-        let losses = Losses {
+        self.losses = Losses {
             hinge_contact: chain.dissipated,
             hinge_friction: chain.friction_power,
             roller_contact: rolling.map_or(0.0, |found| found.dissipated),
@@ -270,18 +272,17 @@ impl Kernels {
         self.speed_squared = rolling.map_or(chain.speed_squared, |found| {
             found.speed_squared.max(chain.speed_squared)
         });
-        (moved_squared, losses)
+        moved_squared
     }
 
-    /// Evaluate the teeth at `y`, after hinges and rollers, with the squared distance that [`Self::evaluate_joints`] returns; add the losses
-    /// of the teeth.
+    /// Evaluate the teeth at `y`, and their losses, after hinges and rollers, with the squared distance that [`Self::evaluate_joints`]
+    /// returns.
     fn evaluate_all_teeth(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
         (y, moved_squared): (&[f64], f64),
         bristle_rates: &mut [f64],
-        losses: &mut Losses,
     ) {
         self.choose_candidates(model, memory, moved_squared);
         if model.teeth.has_friction() {
@@ -300,8 +301,8 @@ impl Kernels {
             let teeth = self.evaluate_teeth(model, s);
             self.put_tooth_bristles(model, s, bristle_rates);
             self.changed[ContactKind::Teeth as usize] |= teeth.changed;
-            losses.tooth_contact += teeth.dissipated;
-            losses.tooth_friction += teeth.friction_power;
+            self.losses.tooth_contact += teeth.dissipated;
+            self.losses.tooth_friction += teeth.friction_power;
             self.loads[s] = SprocketLoad {
                 force: Vec2::new(teeth.force[0], teeth.force[1]),
                 moment: teeth.moment,

@@ -10,7 +10,7 @@ use super::layout::ChainArrays;
 use super::pose::SprocketPose;
 use super::{Kernels, on_teeth};
 use crate::chain::contact::{ImpactMemory, SprocketCandidates};
-use crate::chain::dynamics::{Powers, SprocketLoad};
+use crate::chain::dynamics::SprocketLoad;
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
 use crate::geometry::Vec2;
@@ -115,8 +115,7 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
 }
 
 impl Kernels {
-    /// Evaluate with the sprockets at the positions of `motion` and everything else at `y`; write accelerations into `rates`, and return
-    /// the powers where they are kept.
+    /// Evaluate with the sprockets at the positions of `motion` and everything else at `y`; write accelerations into `rates`.
     pub(crate) fn evaluate_placed(
         &mut self,
         model: &Model,
@@ -124,10 +123,10 @@ impl Kernels {
         (motion, t): (&Motion, f64),
         y: &[f64],
         rates: &mut [f64],
-    ) -> Option<Powers> {
+    ) {
         self.place_sprockets_as(model, motion);
         self.write_gaps(false);
-        self.accelerate_placed(model, memory, t, y, rates)
+        self.accelerate_placed(model, memory, t, y, rates);
     }
 
     /// Evaluate contacts without accelerations: hinges and rollers, and on request `teeth`.
@@ -142,9 +141,9 @@ impl Kernels {
         self.place_sprockets_as(model, motion);
         self.keep_powers(false);
         self.write_gaps(false);
-        let (moved_squared, mut losses) = self.evaluate_joints(model, memory, y, rates);
+        let moved_squared = self.evaluate_joints(model, memory, y, rates);
         if teeth {
-            self.evaluate_all_teeth(model, memory, (y, moved_squared), rates, &mut losses);
+            self.evaluate_all_teeth(model, memory, (y, moved_squared), rates);
         }
         self.put_bristles(model, rates);
     }
