@@ -25,29 +25,10 @@ pub struct MechanismSums {
     pub external_work: f64,
 }
 
-impl std::ops::Add for MechanismSums {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            dissipated: self.dissipated + other.dissipated,
-            external_work: self.external_work + other.external_work,
-        }
-    }
-}
-
-impl std::ops::AddAssign for MechanismSums {
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
 impl PowerSum for MechanismSums {
-    fn scaled(self, factor: f64) -> Self {
-        Self {
-            dissipated: factor * self.dissipated,
-            external_work: factor * self.external_work,
-        }
+    fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.dissipated += factor * other.dissipated;
+        self.external_work += factor * other.external_work;
     }
 
     fn totals(&self) -> [f64; 2] {

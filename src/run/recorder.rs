@@ -178,7 +178,8 @@ impl<S: System> Recorder<S> {
                 prescribed,
                 sums,
             });
-            let since = sums + start.sums.scaled(-1.0);
+            let mut since = sums;
+            since.add_scaled(-1.0, &start.sums);
             // residual = (stored energy - that at the start) + dissipated - external work.
             let [dissipated, external_work] = since.totals();
             let residual = energy.total() - start.total + dissipated - external_work;

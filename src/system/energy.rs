@@ -25,19 +25,9 @@ impl Energy {
 }
 
 /// Powers of an energy balance \[W\], or their integrals \[J\].
-pub trait PowerSum:
-    Copy
-    + Debug
-    + Default
-    + PartialEq
-    + Serialize
-    + DeserializeOwned
-    + std::ops::Add<Output = Self>
-    + std::ops::AddAssign
-{
-    /// Return all values times `factor`.
-    #[must_use]
-    fn scaled(self, factor: f64) -> Self;
+pub trait PowerSum: Copy + Debug + Default + PartialEq + Serialize + DeserializeOwned {
+    /// Add `factor` times all values of `other`.
+    fn add_scaled(&mut self, factor: f64, other: &Self);
 
     /// Return the dissipated part and the external work.
     fn totals(&self) -> [f64; 2];

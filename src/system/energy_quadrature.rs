@@ -147,7 +147,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             Some(powers) if is_interpolated => powers,
             Some(powers) => {
                 let evaluated = powers_at(0.5);
-                (self.interpolation).test(evaluated + powers.scaled(-1.0), near);
+                (self.interpolation).test(difference(&evaluated, &powers), near);
                 evaluated
             }
             None => powers_at(0.5),
@@ -169,12 +169,12 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             }
             let finer = simpson_mean(&self.powers);
             // Of a smooth power, halved panels have a sixteenth of the error.
-            accurate = is_below((finer + mean.scaled(-1.0)).scaled(1.0 / 15.0), accepted);
+            accurate = is_below(difference(&finer, &mean).map(|d| d / 15.0), accepted);
             mean = finer;
         }
         self.at_start = self.at_end;
         (self.start, self.end) = (step.start, step.end);
-        self.at_end += mean.scaled(length);
+        self.at_end.add_scaled(length, &mean);
         self.metered_time += length;
         self.exchanged += decisive(&mean) * length;
     }
@@ -205,7 +205,9 @@ impl<P: PowerSum> EnergyQuadrature<P> {
     /// Return the dissipated energy and the external work at `t` inside the last step \[J\].
     pub(crate) fn energies(&self, t: f64) -> P {
         if t >= self.end || self.end <= self.start {
-            return self.at_end + self.last_power().scaled(t - self.end);
+            let mut sum = self.at_end;
+            sum.add_scaled(t - self.end, &self.last_power());
+            return sum;
         }
         let mut sum = self.at_start;
         let width = (self.end - self.start) / self.panels() as f64;
@@ -213,9 +215,9 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             let x = ((t - self.start) / width - panel as f64).clamp(0.0, 1.0);
             let powers = &self.powers[2 * panel..];
             // The integral of the parabola through the three powers from 0 to x.
-            sum += powers[0].scaled(width * x * (1.0 + x * (-1.5 + x * (2.0 / 3.0))));
-            sum += powers[1].scaled(width * x * x * (2.0 - x * (4.0 / 3.0)));
-            sum += powers[2].scaled(width * x * x * (-0.5 + x * (2.0 / 3.0)));
+            sum.add_scaled(width * x * (1.0 + x * (-1.5 + x * (2.0 / 3.0))), &powers[0]);
+            sum.add_scaled(width * x * x * (2.0 - x * (4.0 / 3.0)), &powers[1]);
+            sum.add_scaled(width * x * x * (-0.5 + x * (2.0 / 3.0)), &powers[2]);
         }
         sum
     }
@@ -230,27 +232,38 @@ fn decisive<P: PowerSum>(power: &P) -> f64 {
 /// Return the mean of powers at equal distances by Simpson's rule.
 fn simpson_mean<P: PowerSum>(powers: &[P]) -> P {
     let (last, mut sum) = (powers.len() - 1, P::default());
-    for (i, &power) in powers.iter().enumerate() {
+    for (i, power) in powers.iter().enumerate() {
         let weight = match i {
             i if i == 0 || i == last => 1.0,
             i if i % 2 == 1 => 4.0,
             _ => 2.0,
         };
-        sum += power.scaled(weight / (3 * last) as f64);
+        sum.add_scaled(weight / (3 * last) as f64, power);
     }
     sum
 }
 
-/// Return the error of Simpson's rule in half a step, over the length of the step, from the powers at a `place` before the step
-/// \[parts of it\].
+/// Return the difference of dissipated and external power.
+fn difference<P: PowerSum>(powers: &P, others: &P) -> [f64; 2] {
+    let (powers, others) = (powers.totals(), others.totals());
+    [powers[0] - others[0], powers[1] - others[1]]
+}
+
+/// Return the error of Simpson's rule in half a step, over the length of the step, of dissipated and external power. It follows from the
+/// powers at a `place` before the step \[parts of it\].
 ///
 /// The cubic through all four powers differs from the parabola of Simpson's rule by c x (x - 1/2) (x - 1). Its integral over the first half
 /// of the step is c/64, and that over the second half is -c/64. The rule is wrong by as much where c is not the same in both halves.
-fn error_of_half<P: PowerSum>([start, middle, end]: [P; 3], (place, before): (f64, P)) -> P {
-    let parabola = start.scaled((1.0 - place) * (1.0 - 2.0 * place))
-        + middle.scaled(4.0 * place * (1.0 - place))
-        + end.scaled(place * (2.0 * place - 1.0));
-    (before + parabola.scaled(-1.0)).scaled(1.0 / (64.0 * place * (place - 0.5) * (place - 1.0)))
+fn error_of_half<P: PowerSum>(powers: [P; 3], (place, before): (f64, P)) -> [f64; 2] {
+    let [start, middle, end] = powers.map(|powers| powers.totals());
+    let before = before.totals();
+    let length = 64.0 * place * (place - 0.5) * (place - 1.0);
+    [0, 1].map(|which| {
+        let parabola = (1.0 - place) * (1.0 - 2.0 * place) * start[which]
+            + 4.0 * place * (1.0 - place) * middle[which]
+            + place * (2.0 * place - 1.0) * end[which];
+        (before[which] - parabola) / length
+    })
 }
 
 #[cfg(test)]

@@ -99,15 +99,16 @@ impl DriveSystem {
     fn meter(&mut self, step: &Accepted<'_>, panels: usize) {
         let width = (step.end - step.start) / panels as f64;
         for panel in 0..panels {
-            let mut sum = self.last_powers.scaled(WEIGHTS[0]);
+            let mut sum = Powers::default();
+            sum.add_scaled(WEIGHTS[0], &self.last_powers);
             for (point, weight) in POINTS.into_iter().zip(&WEIGHTS[1..]) {
                 let t = step.start + width * (panel as f64 + point);
                 step.at(t, &mut self.inside);
                 self.dynamics.derivative(t, &self.inside, &mut self.slope);
                 self.last_powers = self.dynamics.powers(t);
-                sum += self.last_powers.scaled(*weight);
+                sum.add_scaled(*weight, &self.last_powers);
             }
-            self.passed += sum.scaled(width);
+            self.passed.add_scaled(width, &sum);
         }
     }
 

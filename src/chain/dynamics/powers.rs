@@ -87,34 +87,15 @@ impl Powers {
     }
 }
 
-impl std::ops::AddAssign for Powers {
-    fn add_assign(&mut self, other: Self) {
-        self.dissipated += other.dissipated;
-        self.external_work += other.external_work;
+impl PowerSum for Powers {
+    fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.dissipated += factor * other.dissipated;
+        self.external_work += factor * other.external_work;
         let (mut losses, others) = (self.losses.values(), other.losses.values());
         for (loss, other) in losses.iter_mut().zip(others) {
-            *loss += other;
+            *loss += factor * other;
         }
         self.losses = Losses::of_values(losses);
-    }
-}
-
-impl std::ops::Add for Powers {
-    type Output = Self;
-
-    fn add(mut self, other: Self) -> Self {
-        self += other;
-        self
-    }
-}
-
-impl PowerSum for Powers {
-    fn scaled(self, factor: f64) -> Self {
-        Self {
-            dissipated: factor * self.dissipated,
-            external_work: factor * self.external_work,
-            losses: Losses::of_values(self.losses.values().map(|loss| factor * loss)),
-        }
     }
 
     fn totals(&self) -> [f64; 2] {

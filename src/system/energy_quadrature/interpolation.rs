@@ -35,7 +35,7 @@ impl<P: PowerSum> Interpolation<P> {
     }
 
     /// Compare an evaluated power with the interpolated one: twice as many steps may follow, or none.
-    pub(super) fn test(&mut self, error: P, accepted: f64) {
+    pub(super) fn test(&mut self, error: [f64; 2], accepted: f64) {
         self.permitted = if is_below(error, accepted) {
             (2 * self.permitted + 1).min(MOST_INTERPOLATED)
         } else {
@@ -60,16 +60,16 @@ pub(super) fn middle<P: PowerSum>(nodes: [(f64, P); 4], accepted: f64) -> Option
     };
     (is_accurate(0) && is_accurate(1)).then(|| {
         let mut sum = P::default();
-        for ((_, powers), weight) in nodes.into_iter().zip(cubic) {
-            sum += powers.scaled(weight);
+        for ((_, powers), weight) in nodes.iter().zip(cubic) {
+            sum.add_scaled(weight, powers);
         }
         sum
     })
 }
 
-/// Return whether the error of dissipated and external power is at most `accepted` \[W\].
-pub(super) fn is_below<P: PowerSum>(error: P, accepted: f64) -> bool {
-    error.totals().iter().all(|e| e.abs() <= accepted)
+/// Return whether the errors of dissipated and external power are at most `accepted` \[W\].
+pub(super) fn is_below(errors: [f64; 2], accepted: f64) -> bool {
+    errors.iter().all(|e| e.abs() <= accepted)
 }
 
 /// Return the weights of powers at places in parts of a step in Lagrange's polynomial, in the middle of the step.

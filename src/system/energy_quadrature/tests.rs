@@ -5,23 +5,10 @@ use super::*;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 struct Both(f64, f64);
 
-impl std::ops::Add for Both {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0, self.1 + other.1)
-    }
-}
-
-impl std::ops::AddAssign for Both {
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
-    }
-}
-
 impl PowerSum for Both {
-    fn scaled(self, factor: f64) -> Self {
-        Self(factor * self.0, factor * self.1)
+    fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.0 += factor * other.0;
+        self.1 += factor * other.1;
     }
 
     fn totals(&self) -> [f64; 2] {
@@ -249,8 +236,12 @@ fn the_error_of_half_a_step_is_that_of_a_cubic() {
     let power = |x: f64| Both(5.0 + x.powi(3), 2.0 * (5.0 + x.powi(3)));
     for place in [-0.3, -1.0, -2.5] {
         let error = error_of_half([0.0, 0.5, 1.0].map(power), (place, power(place)));
-        assert!((64.0 * error.0 - 1.0).abs() < 1e-12, "{place}: {}", error.0);
-        assert!((error.1 / error.0 - 2.0).abs() < 1e-12);
+        assert!(
+            (64.0 * error[0] - 1.0).abs() < 1e-12,
+            "{place}: {}",
+            error[0]
+        );
+        assert!((error[1] / error[0] - 2.0).abs() < 1e-12);
     }
     assert_eq!(decisive(&Both(-1e-3, 1.0)), EXTERNAL_SHARE);
     assert_eq!(decisive(&Both(1e-3, -2.0)), 2.0 * EXTERNAL_SHARE);
@@ -259,12 +250,12 @@ fn the_error_of_half_a_step_is_that_of_a_cubic() {
 
 #[test]
 fn each_passed_test_permits_twice_as_many_interpolated_steps_up_to_31() {
-    let mut interpolation = Interpolation::default();
+    let mut interpolation = Interpolation::<Both>::default();
     assert!(!interpolation.take());
     for expected in [1, 3, 7, 15, 31, 31] {
-        interpolation.test(Both(0.5, -1.0), 1.0);
+        interpolation.test([0.5, -1.0], 1.0);
         assert_eq!((0..40).filter(|_| interpolation.take()).count(), expected);
     }
-    interpolation.test(Both(0.0, 1.1), 1.0);
+    interpolation.test([0.0, 1.1], 1.0);
     assert!(!interpolation.take());
 }
