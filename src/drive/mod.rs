@@ -23,7 +23,7 @@ pub(crate) use loads::{sprocket_of, tensioner_force};
 pub use material::Material;
 pub(crate) use open_line::OpenLine;
 pub use plates::{LinkStiffness, Plates};
-pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
+pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, TEETH, Tip, ToothForm};
 pub use rail::{Arm, Mount, Rail, RailShape};
 pub use sprocket::{Bearing, Faults, Sprocket, SprocketMotion};
 pub(crate) use tensioner::STOP_STIFFNESS;
@@ -71,6 +71,18 @@ pub struct Drive {
 }
 
 impl Drive {
+    /// Let the tensioner and the plungers of guides push with their full force from the beginning.
+    pub(crate) fn end_ramps(&mut self) {
+        if let Some(tensioner) = &mut self.tensioner {
+            tensioner.ramp_time = 0.0;
+        }
+        for guide in &mut self.guides {
+            if let Mount::Arm(arm) = &mut guide.mount {
+                arm.ramp_time = 0.0;
+            }
+        }
+    }
+
     /// Return the number of bodies: links, both ends of an open chain, rollers, sprockets, guides.
     #[must_use]
     pub fn bodies(&self) -> usize {

@@ -10,6 +10,8 @@ use crate::geometry::{OutlinePiece, Seat};
 
 /// Default radius of the edge of a tooth tip, over the roller diameter.
 const EDGE_SHARE: f64 = 0.025;
+/// Smallest and largest number of teeth of a form whose standard names none: the layout is generated and tested for these.
+pub const TEETH: [u32; 2] = [5, 1000];
 
 /// Tooth form.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -131,7 +133,7 @@ impl ToothForm {
     pub fn teeth(&self) -> [u32; 2] {
         match self {
             Self::Iso(_) => [9, 150],
-            _ => [5, 1000],
+            _ => TEETH,
         }
     }
 

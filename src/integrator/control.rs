@@ -90,6 +90,12 @@ impl StepControl {
         }
     }
 
+    /// Return the error of an absolute tolerance of zero.
+    pub(crate) fn no_atol() -> Error {
+        let expected = "must be positive: coordinates and speeds pass through zero, where rtol allows no error";
+        Error::invalid("Solver.atol", 0.0, expected)
+    }
+
     /// Check every field.
     ///
     /// # Errors
@@ -97,6 +103,9 @@ impl StepControl {
     pub fn validate(&self) -> Result<()> {
         check::not_negative("Solver.rtol", self.rtol, "relative units")?;
         check::not_negative("Solver.atol", self.atol, "the unit of each component")?;
+        if self.rtol > 0.0 && self.atol == 0.0 {
+            return Err(Self::no_atol());
+        }
         check::positive("Solver.accuracy", self.accuracy, "m")?;
         if self.max_step.is_nan() || self.max_step <= 0.0 {
             return Err(Error::invalid(
@@ -119,6 +128,22 @@ impl StepControl {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_relative_tolerance_needs_an_absolute_one() {
+        let given = |rtol, atol| StepControl {
+            rtol,
+            atol,
+            ..StepControl::default()
+        };
+        assert_eq!(given(0.0, 0.0).validate(), Ok(()));
+        assert_eq!(given(1e-6, 1e-300).validate(), Ok(()));
+        let refused = given(1e-6, 0.0).validate().unwrap_err().to_string();
+        assert!(
+            refused.starts_with("Solver.atol = 0: must be positive"),
+            "{refused}"
+        );
+    }
 
     #[test]
     fn the_permitted_error_of_velocities_is_absolute() {

@@ -1,5 +1,7 @@
 //! Check of a start: held bodies are where the drive's description has them.
 
+use std::f64::consts::PI;
+
 use super::InitialConfiguration;
 use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket};
 use crate::error::{Error, Result, check};
@@ -46,11 +48,25 @@ pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Resul
         if is_off(found, guide.bearing()) {
             return refuse(name, found, guide.bearing(), "it is held there");
         }
-        if matches!(guide.mount, Mount::Fixed) && (angle - guide.angle()).abs() > OFF_ITS_ANGLE {
+        let (off, expected) = ((angle - guide.angle()).abs(), guide.angle());
+        let (is_off, expected) = match guide.mount {
+            Mount::Fixed => (
+                off > OFF_ITS_ANGLE,
+                format!("must be {expected} rad: it does not turn"),
+            ),
+            Mount::Arm(_) => (
+                off > PI,
+                format!(
+                    "must be {expected} rad, less than half a turn more or less: its stops are there"
+                ),
+            ),
+            Mount::Turning { .. } => continue,
+        };
+        if is_off {
             return Err(Error::invalid(
                 format!("positions of {name}"),
                 format!("{angle} rad"),
-                format!("must be {} rad: it does not turn", guide.angle()),
+                expected,
             ));
         }
     }

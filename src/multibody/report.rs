@@ -19,8 +19,6 @@ pub struct MechanismGroups {
     pub joints: bool,
     /// Forces, penetrations and onsets of all contacts, with peaks.
     pub contacts: bool,
-    /// Torques of the force elements, for the shafts of drives.
-    pub torques: bool,
     /// The energy balance.
     pub energy: bool,
 }
@@ -31,7 +29,6 @@ impl MechanismGroups {
         bodies: true,
         joints: true,
         contacts: true,
-        torques: true,
         energy: true,
     };
 }
@@ -67,9 +64,6 @@ pub(crate) fn channels(model: &MechanismModel, groups: MechanismGroups) -> Vec<C
         channels.push(Channel::real("peak_contact_force", &[contacts]));
         channels.push(Channel::real("peak_contact_impulse", &[contacts]));
     }
-    if groups.torques {
-        channels.push(Channel::real("applied_torque", &[model.forces.len()]));
-    }
     channels
 }
 
@@ -91,10 +85,6 @@ pub(crate) fn write_row(
             .onsets
             .take_velocities(dynamics.model.contacts.len(), t);
         write_contacts(row, dynamics, &impacts);
-    }
-    if groups.torques {
-        let forces = dynamics.model.forces.iter();
-        row.real(forces.map(|force| force.torque(t, &dynamics.frames)));
     }
 }
 

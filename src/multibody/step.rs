@@ -56,6 +56,9 @@ impl MechanismDynamics {
         self.shift.time = start.time;
         self.contacts.memory.clone_from(&start.memory);
         self.onsets.numbers = start.onsets;
+        if let Some(onsets) = &mut self.onsets.unreported {
+            onsets.retain(|onset| onset.time <= start.time);
+        }
     }
 
     /// Project the end of the last step onto the constraints. The correction enters the shift; the integrator's solution and history

@@ -4,9 +4,8 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use super::starts::DriveScene;
-use crate::drive::InputQuantity;
-use crate::error::{Error, Result};
+use super::starts::{DriveScene, input_quantity};
+use crate::error::Result;
 use crate::fmu::{Contents, InputVariable, Instance, OutputVariable};
 use crate::panics::contained;
 
@@ -53,17 +52,8 @@ pub(super) fn fmu_scene<'py>(
 }
 
 fn input_variable((sprocket, quantity): (usize, String)) -> Result<InputVariable> {
-    let quantity = match quantity.as_str() {
-        "speed" => InputQuantity::Speed,
-        "torque" => InputQuantity::Torque,
-        "tensioner_force" => InputQuantity::TensionerForce,
-        _ => {
-            let expected = "must be speed, torque or tensioner_force";
-            return Err(Error::invalid("quantity of an input", quantity, expected));
-        }
-    };
     Ok(InputVariable {
         sprocket: sprocket.wrapping_sub(1),
-        quantity,
+        quantity: input_quantity(&quantity)?,
     })
 }

@@ -93,10 +93,10 @@ pub(super) fn integrate<'py>(
     t_eval: Option<PyReadonlyArray1<'py, f64>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let py = fun.py();
-    let control = StepControl {
+    let mut control = StepControl {
         rtol,
         atol,
-        max_step: max_step.min(t_span.1 - t_span.0),
+        max_step,
         max_order,
         ..StepControl::default()
     };
@@ -106,6 +106,7 @@ pub(super) fn integrate<'py>(
         None => vec![t_span.1],
     };
     check_integration(t_span, &control, &times, y0.len())?;
+    control.max_step = max_step.min(t_span.1 - t_span.0);
     let mut system = Callable {
         function: fun.clone(),
         dimension: y0.len(),

@@ -31,15 +31,15 @@ pub(super) fn custom(
         Arc::clone(raised),
     );
     let load = move |t: f64, position: [f64; 3], velocity: [f64; 3]| {
-        let Ok(mut failure) = raised.lock() else {
-            return [f64::NAN; 3];
-        };
-        if failure.is_some() {
+        // The slot is not locked during the call: another thread may wait for it with the interpreter, which the call needs.
+        if raised.lock().map_or(true, |slot| slot.is_some()) {
             return [f64::NAN; 3];
         }
         let found = Python::attach(|py| call(py, &name, &function, t, position, velocity));
         found.unwrap_or_else(|error| {
-            *failure = Some(error);
+            if let Ok(mut slot) = raised.lock() {
+                slot.get_or_insert(error);
+            }
             [f64::NAN; 3]
         })
     };

@@ -122,13 +122,11 @@ pub(super) fn generated(py: Python<'_>, drive: &Drive) -> PyResult<(InitialConfi
     Ok(found?)
 }
 
-/// Return the drive of a `Scene`; at a static start its tensioner has no ramp.
+/// Return the drive of a `Scene`; at a static start its tensioner and the plungers of its guides have no ramp.
 pub(super) fn drive_of(scene: &Bound<'_, PyAny>) -> PyResult<Drive> {
     let mut drive = describe::drive(&scene.getattr("system")?)?;
-    if scene.getattr("start")?.eq("static")?
-        && let Some(tensioner) = &mut drive.tensioner
-    {
-        tensioner.ramp_time = 0.0;
+    if scene.getattr("start")?.eq("static")? {
+        drive.end_ramps();
     }
     Ok(drive)
 }
@@ -163,12 +161,26 @@ fn own_start(
     }
 }
 
+/// Read the quantity of an input.
+pub(super) fn input_quantity(name: &str) -> crate::error::Result<InputQuantity> {
+    match name {
+        "speed" => Ok(InputQuantity::Speed),
+        "torque" => Ok(InputQuantity::Torque),
+        "tensioner_force" => Ok(InputQuantity::TensionerForce),
+        _ => {
+            let expected = "must be speed, torque or tensioner_force";
+            Err(Error::invalid("quantity of an input", name, expected))
+        }
+    }
+}
+
 /// Read the quantity and the signal of an input.
 pub(super) fn input(quantity: &str, value: &Bound<'_, PyAny>) -> PyResult<(InputQuantity, Signal)> {
-    let (quantity, name, unit) = match quantity {
-        "speed" => (InputQuantity::Speed, "speed", "rad/s"),
-        "tensioner_force" => (InputQuantity::TensionerForce, "force", "N"),
-        _ => (InputQuantity::Torque, "torque", "N m"),
+    let quantity = input_quantity(quantity)?;
+    let (name, unit) = match quantity {
+        InputQuantity::Speed => ("speed", "rad/s"),
+        InputQuantity::Torque => ("torque", "N m"),
+        InputQuantity::TensionerForce => ("force", "N"),
     };
     Ok((quantity, describe::signal(value, name, unit)?))
 }

@@ -48,8 +48,8 @@ class Scene(Description):
     start : {"generated", "static"}
         "generated": the generated configuration of a drive, with nothing in contact, or the
         described positions of a mechanism. "static": the static equilibrium under gravity, the
-        loads of the first instant and the full tensioner force, which then has no ramp. The
-        search begins at the generated or described positions, with motors and drivers held
+        loads of the first instant and the full force of tensioner and plungers, which then have
+        no ramp. The search begins at the generated or described positions, with motors and drivers held
         there, and without friction. The
         sprockets' speeds are those of the generated start, the velocities of a mechanism those
         described.

@@ -116,18 +116,19 @@ impl ImpactMemory {
     /// Remove a contact onset with the initial impact velocity `speed` \[m/s\] from the counts.
     pub(crate) fn uncount(&mut self, speed: f64) {
         self.counts.onsets -= 1;
-        if speed <= self.floor {
-            self.counts.at_floor -= 1;
-        }
+        self.counts.at_floor -= u64::from(self.is_at_floor(speed));
     }
 
     /// Count a contact onset at the penetration rate `rate` and return its initial impact velocity \[m/s\].
     fn count(&mut self, rate: f64) -> f64 {
+        let speed = rate.max(self.floor);
         self.counts.onsets += 1;
-        if rate < self.floor {
-            self.counts.at_floor += 1;
-        }
-        rate.max(self.floor)
+        self.counts.at_floor += u64::from(self.is_at_floor(speed));
+        speed
+    }
+
+    fn is_at_floor(&self, speed: f64) -> bool {
+        speed <= self.floor
     }
 
     /// Return the numbers of contact onsets.

@@ -8,6 +8,7 @@ use crate::drive::InputQuantity;
 use crate::error::Result;
 use crate::integrator::Adams;
 use crate::math::Signal;
+use crate::system::System;
 
 /// Shortest step to a kink of an input \[s\]; a nearer kink counts as reached. Doubled or halved, the measured scenes give equal runs.
 const SHORTEST_TO_KINK: f64 = 1e-10;
@@ -105,7 +106,7 @@ impl Dynamics {
             }
         }
         adams.restart_with_corrector(row, &y[..2 * coordinates]);
-        let longest = self.longest_step_past_teeth().min(self.time_to_kink(row));
+        let longest = System::longest_step(self, adams);
         adams.limit_step(longest);
         // The next step is metered from this motion, and with the slope behind the row.
         self.resume_energy_quadrature(adams);

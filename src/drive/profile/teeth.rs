@@ -5,8 +5,12 @@ use crate::drive::Chain;
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap;
 use crate::geometry::{
-    Blank, IsoGap, Misfit, SEAT_OVER_ROLLER, Seat, ToothProfile, iso_tip_diameters,
+    Blank, IsoGap, Misfit, SEAT_OVER_ROLLER, Seat, SurfaceCurve, ToothProfile, iso_tip_diameters,
 };
+
+/// Smallest room of a bushing in a concave arc, over its radius. The distance from an arc is a quotient with this room, and is good for
+/// penetrations that are small beside it. ISO 606 and ASME B29.1 have 0.01 and 0.005.
+const SEAT_ROOM: f64 = 1e-4;
 
 impl ToothForm {
     /// Return the profile of undamaged teeth for `chain`.
@@ -49,17 +53,37 @@ impl ToothForm {
                     .map_err(|misfit| misfit_error(misfit, tooth))?
             }
         };
-        if let Some((surface, depth)) = profile.pinch(chain.contact_radius()) {
-            let name = profile.surfaces()[surface.index()].name;
-            return Err(Error::invalid(
+        let radius = chain.contact_radius();
+        let refuse = |number: usize, why: String| {
+            let name = profile.surfaces()[number].name;
+            Err(Error::invalid(
                 self.name(),
-                format!("{name}, number {} of the flank", surface.index() + 1),
+                format!("{name}, number {} of the flank", number + 1),
+                why,
+            ))
+        };
+        let least = (1.0 + SEAT_ROOM) * radius;
+        let is_tight = |curve: &SurfaceCurve| matches!(curve, SurfaceCurve::Concave(arc) if arc.radius < least);
+        if let Some(number) = profile
+            .surfaces()
+            .iter()
+            .position(|piece| is_tight(&piece.curve))
+        {
+            return refuse(
+                number,
                 format!(
-                    "a bushing of radius {} m that touches it would be {depth:.3e} m inside another surface: must leave room \
-                     for the bushing",
-                    chain.contact_radius()
+                    "its radius must be at least {least} m, for a bushing of radius {radius} m"
                 ),
-            ));
+            );
+        }
+        if let Some((surface, depth)) = profile.pinch(radius) {
+            return refuse(
+                surface.index(),
+                format!(
+                    "a bushing of radius {radius} m that touches it would be {depth:.3e} m inside another surface: must leave room \
+                     for the bushing"
+                ),
+            );
         }
         Ok(profile)
     }

@@ -115,18 +115,6 @@ impl ConstraintState {
         entries
     }
 
-    /// Write the product G x, one number per constraint.
-    pub(crate) fn write_product(&self, model: &MechanismModel, x: &[f64], product: &mut [f64]) {
-        for (sum, row) in product.iter_mut().zip(&self.rows) {
-            *sum = 0.0;
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = model.first[*body] {
-                    *sum += (0..3).map(|k| part[k] * x[first + k]).sum::<f64>();
-                }
-            }
-        }
-    }
-
     /// Return force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
     pub(crate) fn reaction(
         &self,

@@ -39,11 +39,12 @@ impl Equation {
                 // c = (d·d - L²) / 2L: L ∂²c/∂q² = `d_k`·`d_l` + d·`d_kl`, and L ∂c''/∂q = ∂(d'·d' + d·d'')/∂q.
                 let (d, rate) = (pair.d, pair.rate());
                 found.second = fill(|k, l| {
-                    (pair.slope(k).dot(&pair.slope(l)) + d.dot(&pair.second(k, l))) / length
+                    (pair.plain_first(k).dot(&pair.plain_first(l)) + d.dot(&pair.second(k, l)))
+                        / length
                 });
                 found.third = std::array::from_fn(|k| {
                     let turning = 2.0 * rate.dot(&pair.rate_by(k)) + d.dot(&pair.second_rate_by(k));
-                    (turning + pair.slope(k).dot(&pair.second_rate())) / length
+                    (turning + pair.plain_first(k).dot(&pair.second_rate())) / length
                 });
             }
         }
@@ -60,7 +61,7 @@ fn fill(entry: impl Fn(usize, usize) -> f64) -> CoordinateBlock {
 fn along_third(pair: &Pair, u: Vec2, k: usize) -> f64 {
     let (spin, left) = (pair.v[2], turned_left(u));
     let (u_rate, u_second) = (spin * left, -spin * spin * u);
-    let mut found = u_second.dot(&pair.slope(k))
+    let mut found = u_second.dot(&pair.plain_first(k))
         + 2.0 * u_rate.dot(&pair.rate_by(k))
         + u.dot(&pair.second_rate_by(k));
     // Terms of the rotation of u with body a: ∂u/∂`θ_a` = left(u).

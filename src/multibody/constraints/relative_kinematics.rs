@@ -81,7 +81,7 @@ impl Pair {
     }
 
     /// Return the same relative to the ground.
-    fn plain_first(&self, k: usize) -> Vec2 {
+    pub(crate) fn plain_first(&self, k: usize) -> Vec2 {
         match k {
             0 => Vec2::new(-1.0, 0.0),
             1 => Vec2::new(0.0, -1.0),
@@ -139,11 +139,6 @@ impl Pair {
             5 => -self.v[5] * self.v[5] * turned_left(self.arms[1]),
             _ => Vec2::zeros(),
         }
-    }
-
-    /// Return ∂d/∂q relative to the ground, for joints.
-    pub(crate) fn slope(&self, k: usize) -> Vec2 {
-        self.plain_first(k)
     }
 
     /// Add ∂Q/∂v · `by_velocity` + ∂Q/∂q · `by_place` of the generalised forces Q of a torque. It acts with a pair force measured

@@ -59,8 +59,8 @@ impl MechanismDynamics {
             }
             // The displacement is made tangential to the constraints: with residuals, redundant constraints appear to be independent.
             self.evaluate(0.0, state);
-            (self.constraints).write_product(&self.model, &change, &mut along);
             if let Some(kkt) = &mut self.constraints.kkt {
+                (kkt.jacobian).multiply(&self.constraints.rows, &change, &mut along);
                 kkt.correct(&along, &mut change);
             }
             place.copy_from_slice(state);

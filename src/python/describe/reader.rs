@@ -4,6 +4,7 @@ use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString, PyTuple};
 
+use crate::drive::TEETH;
 use crate::error::{Error, check};
 use crate::geometry::Vec2;
 use crate::math::{Signal, Spline, Table};
@@ -337,17 +338,15 @@ pub(crate) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
 
 /// Read the numbers of teeth of two sprockets.
 pub(crate) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
+    let [least, most] = TEETH;
     if let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>()
         && let (Ok(first), Ok(second)) = (count(&first, "teeth"), count(&second, "teeth"))
-        && [first, second].iter().all(|n| (5..=1000).contains(n))
+        && [first, second].iter().all(|n| (least..=most).contains(n))
     {
         return Ok([first, second]);
     }
-    Err(refuse(
-        "teeth",
-        value,
-        "must be two whole numbers between 5 and 1000",
-    ))
+    let expected = format!("must be two whole numbers between {least} and {most}");
+    Err(refuse("teeth", value, &expected))
 }
 
 /// Read a number, which may be infinite or NaN.

@@ -4,7 +4,6 @@ use pyo3::prelude::*;
 
 use super::reader::{Reader, number, truth};
 use crate::chain::Groups;
-use crate::error::Error;
 use crate::integrator::{Corrector, StepControl};
 use crate::multibody::MechanismGroups;
 use crate::run::simulation::check_reports;
@@ -41,7 +40,6 @@ pub(crate) fn mechanism_groups(names: Option<&[String]>, energy: bool) -> Mechan
         bodies: has("bodies"),
         joints: has("joints"),
         contacts: has("contacts"),
-        torques: false,
         energy,
     }
 }
@@ -63,8 +61,7 @@ pub(crate) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
     let rtol = read.optional_number("rtol", "relative units")?;
     let atol = read.optional_number("atol", "the unit of each component")?;
     if atol == Some(0.0) {
-        let expected = "must be positive: coordinates and speeds pass through zero, where rtol allows no error";
-        return Err(Error::invalid("Solver.atol", 0.0, expected).into());
+        return Err(StepControl::no_atol().into());
     }
     let given = rtol.is_some() || atol.is_some();
     let tolerance =

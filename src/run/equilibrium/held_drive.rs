@@ -30,14 +30,13 @@ pub(super) fn held(drive: &Drive, layout: &Layout) -> Drive {
             *velocity = [0.0.into(), 0.0.into()];
         }
     }
+    held.end_ramps();
     if let Some(tensioner) = &mut held.tensioner {
-        tensioner.ramp_time = 0.0;
         // The displacement locked by a ratchet would depend on the history of the motion.
         tensioner.ratchet = None;
     }
     for guide in &mut held.guides {
         if let Mount::Arm(arm) = &mut guide.mount {
-            arm.ramp_time = 0.0;
             arm.ratchet = None;
         }
     }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::largest;
 use super::settling::Resting;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::{Model, Rotation, SprocketModel};
@@ -107,26 +108,23 @@ impl Resting for RestingDrive {
             .derivative_with_slopes(0.0, &self.y, &mut self.rates);
         let model = self.dynamics.model();
         let (n, accelerations) = (model.links, &self.rates[model.coordinates..]);
-        let mut largest: f64 = 0.0;
+        let mut forces = Vec::with_capacity(5 * n);
         for i in 0..n {
-            largest = largest
-                .max(model.chain.mass[i] * accelerations[i].abs())
-                .max(model.chain.mass[i] * accelerations[n + i].abs())
-                .max(model.chain.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
+            forces.push(model.chain.mass[i] * accelerations[i].abs());
+            forces.push(model.chain.mass[i] * accelerations[n + i].abs());
+            forces.push(model.chain.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
         }
         if let Some(rollers) = &model.rollers {
             // Without friction no torque acts on the rollers.
-            for acceleration in &accelerations[rollers.first..][..2 * n] {
-                largest = largest.max(rollers.mass * acceleration.abs());
-            }
+            let accelerations = &accelerations[rollers.first..][..2 * n];
+            forces.extend(accelerations.iter().map(|a| rollers.mass * a.abs()));
         }
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, inertia| {
-                let force = inertia * accelerations[index].abs() / arm(sprocket, index);
-                largest = largest.max(force);
+                forces.push(inertia * accelerations[index].abs() / arm(sprocket, index));
             });
         }
-        largest
+        largest(forces)
     }
 
     fn reference_force(&self) -> f64 {

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::largest;
 use super::settling::Resting;
 use crate::error::Result;
 use crate::integrator::SecondOrderSystem;
@@ -165,15 +166,7 @@ impl Resting for RestingMechanism {
 
     fn unbalanced(&mut self) -> f64 {
         self.dynamics.evaluate(0.0, &self.state);
-        // The maximum of f64 would ignore a value that is not a number.
-        (0..self.begin.len()).fold(0.0, |most: f64, i| {
-            let force = self.force(i);
-            if most.is_nan() || force <= most {
-                most
-            } else {
-                force
-            }
-        })
+        largest((0..self.begin.len()).map(|i| self.force(i)))
     }
 
     fn reference_force(&self) -> f64 {

@@ -164,3 +164,11 @@ def test_a_drive_of_other_teeth_runs_with_a_closed_balance(profile, faults):
     assert np.max(np.abs(energy.residual)) < 0.02 * energy.dissipated[-1]
     regions = {int(r) for k in range(1, 47) for r in result.bushing(k).region}
     assert len(regions - {0}) >= 3
+
+
+@pytest.mark.parametrize("room", [-2e-5, 0.0, 5e-5])
+def test_a_seat_that_leaves_no_room_for_the_bushing_is_refused(room):
+    tooth = rc.StraightTooth(flank_angle=0.3, seat_radius=(1.0 + room) * RADIUS)
+    sprockets = [rc.Sprocket(17, profile=tooth), rc.Sprocket(17, (0.3, 0.0))]
+    with pytest.raises(rc.InvalidInput, match="its radius must be at least|a seat wider than"):
+        rc.chain_drive("ANSI 40", sprockets, adjust=2)

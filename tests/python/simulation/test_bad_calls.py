@@ -153,6 +153,17 @@ def test_positions_that_move_what_is_held_in_its_place_are_refused(drive, body, 
             rc.Simulation(drive, **given)
 
 
+def test_an_arm_a_whole_turn_away_from_its_stops_is_refused():
+    arm = rc.GuideArm(pivot=(0.06, 0.06), force=40.0)
+    blade = rc.GuideRail((0.15, 0.06), (0.0, -1.0), 0.1, radius=0.3, arm=arm)
+    drive = rc.chain_drive("ANSI 40", SPROCKETS, adjust=2, guides=[blade])
+    simulation = rc.Simulation(drive)
+    positions = simulation.positions.copy()
+    positions[-1, 2] += 2.0 * np.pi
+    with pytest.raises(rc.InvalidInput, match=r"positions of guide_1 = .* rad: must be .* rad, le"):
+        rc.Simulation(drive, positions=positions, velocities=simulation.velocities)
+
+
 def test_positions_that_the_supports_allow_are_taken(start):
     positions = start["positions"].copy()
     positions[39, 0] -= 1e-6  # along the slide

@@ -54,6 +54,20 @@ def test_at_rest_a_blade_tightens_both_strands():
     assert lower(tight) > lower(loose) + 10.0
 
 
+def test_a_blade_stays_at_rest_after_a_static_start():
+    """The plunger of the equilibrium pushes with its full force from the beginning of the run."""
+    drive = guided()
+    still = replace(drive.sprockets[0], motion=rc.PrescribedSpeed(0.0))
+    arm = replace(drive.guides[0].arm, ramp_time=0.1)
+    guides = (replace(drive.guides[0], arm=arm), drive.guides[1])
+    simulation = rc.Simulation(
+        replace(drive, sprockets=(still, drive.sprockets[1]), guides=guides), start="static"
+    )
+    swung = simulation.run(2e-3, 1e-4, record=["sprockets"]).guide(1).angle
+    # With a ramp the spring of the strand would turn the arm by milliradians.
+    assert np.ptp(swung) < 1e-6
+
+
 def test_a_drive_with_guides_goes_to_a_file_and_back(tmp_path):
     drive = guided(name="guided")
     assert rc.ChainDrive.from_json(drive.to_json()) == drive
