@@ -62,7 +62,8 @@ Settings = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="Change a field, as often as given: pretension=25, chain.material.restitution=0.5, "
-        "sprockets.2.motion.torque=-3, start=static, force_law={type='Hertz'}; values as in TOML.",
+        "sprockets.2.motion.torque=-3, start=static, force_law={type='Hertz'}; values "
+        "as in TOML; text needs no quotes.",
         autocompletion=_complete_setting,
     ),
 ]

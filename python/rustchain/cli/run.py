@@ -37,7 +37,7 @@ def run(
     ] = None,
     law: Annotated[Law | None, typer.Option(help="Force law of every contact.")] = None,
     method: Annotated[
-        str | None, typer.Option(help="Of integration: auto, pece or newton.")
+        str | None, typer.Option(help="Integration method: auto, pece or newton.")
     ] = None,
     accuracy: Annotated[
         float | None, typer.Option(help="Error a step is allowed [m]; 1e-10 by default.")

@@ -41,8 +41,10 @@ def animate(
     *,
     duration: Duration = None,
     settings: Settings = None,
-    start: Annotated[float | None, typer.Option(help="Begin of what is shown [s].")] = None,
-    end: Annotated[float | None, typer.Option(help="End of what is shown [s].")] = None,
+    start: Annotated[
+        float | None, typer.Option(help="Beginning of the part that is shown [s].")
+    ] = None,
+    end: Annotated[float | None, typer.Option(help="End of the part that is shown [s].")] = None,
     slow_motion: Annotated[
         float | None,
         typer.Option(help="Seconds shown for one simulated; by default ten seconds in all."),
@@ -96,8 +98,10 @@ def report(
     *,
     duration: Duration = None,
     settings: Settings = None,
-    start: Annotated[float | None, typer.Option(help="Begin of what is reported [s].")] = None,
-    end: Annotated[float | None, typer.Option(help="End of what is reported [s].")] = None,
+    start: Annotated[
+        float | None, typer.Option(help="Beginning of the part that is reported [s].")
+    ] = None,
+    end: Annotated[float | None, typer.Option(help="End of the part that is reported [s].")] = None,
     breaking_load: Annotated[
         float | None,
         typer.Option(help="Of the chain, all strands together [N]; by default the catalogue's."),

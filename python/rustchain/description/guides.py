@@ -17,7 +17,7 @@ _Point = tuple[float, float]
 class GuideArm(Description):
     """An arm that carries a rail, swung by a plunger that presses on the rail's middle.
 
-    Force, spring, dashpot and stops act along the plunger's way, which is the rail's direction.
+    Force, spring, dashpot and stops act along the line of the plunger, the direction of the rail.
 
     Attributes
     ----------

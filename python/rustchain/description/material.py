@@ -16,7 +16,8 @@ class Material(Description):
     poisson_ratio : float
         Poisson's ratio.
     restitution : float
-        Coefficient of restitution of an impact.
+        Restitution coefficient of the damping factor, 0 to 1. The restitution of an impact differs:
+        see `effective_restitution`.
 
     Examples
     --------

@@ -33,8 +33,8 @@ class Solver(Description):
         Error tolerance of a step in lengths [m]. In speeds it is `accuracy` times 1e5/s, in angles
         the rotation that moves a point at half the pitch by `accuracy` (a sprocket's, at its pitch
         radius). Links on ideal hinges have half of it, not of `rtol` and `atol`. For comparison:
-        clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at 1e-3 to 1 m/s. Every tenth
-        of it divides the energy residual by about three with "newton".
+        clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at 1e-3 to 1 m/s. A ten
+        times smaller accuracy divides the energy residual by about three with "newton".
 
     Examples
     --------

@@ -33,7 +33,7 @@ def _refuse_a_list_of_numbers(where: str, axis: str, given: object) -> None:
 
 @description(frozen=True)
 class PrescribedSpeed(Description):
-    """A sprocket that turns at a given speed, whatever it takes.
+    """A sprocket that turns at a prescribed speed, at any torque.
 
     Attributes
     ----------

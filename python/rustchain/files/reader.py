@@ -164,7 +164,7 @@ class Reader:
         """Return the entries of a table that it may have; refuse others, and missing ones."""
         unknown = [name for name in table if name not in fields and name != "type"]
         for name in unknown:
-            self.refuse((*key, name), f"means nothing here; {suggest(name, fields)}")
+            self.refuse((*key, name), f"unknown key; {suggest(name, fields)}")
         if not unknown:  # a misspelt key is often what another one is missing for
             for name, field in fields.items():
                 if field.needed and name not in table:
@@ -211,7 +211,7 @@ class Reader:
                 known = {name: None for make in makers.values() for name in fields_of(make)}
                 unknown = [each for each in value if each not in known]
                 for each in unknown:
-                    self.refuse((*key, each), f"means nothing here; {suggest(each, known)}")
+                    self.refuse((*key, each), f"unknown key; {suggest(each, known)}")
                 if unknown:
                     return _WRONG
                 listed = " or ".join(f"type = {each!r}" for each in makers)

@@ -28,7 +28,7 @@ Look: TypeAlias = Callable[[], "str | None"]
 class StopCondition(Description, ABC):
     """Base of the stop conditions.
 
-    A condition is looked at when a row has been recorded, and the run stops there: forces are the
+    A condition is evaluated when a row has been recorded, and the run stops there. Forces are the
     largest since the row before, so that no impact is missed.
     """
 

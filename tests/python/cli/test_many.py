@@ -182,7 +182,7 @@ def test_failed_cases_are_counted_told_and_repeated_on_demand():
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('mesure = "x"', "line 2, column 1: mesure: means nothing here; did you mean 'measure'?"),
+        ('mesure = "x"', "line 2, column 1: mesure: unknown key; did you mean 'measure'?"),
         ("burn_in = true", "line 2, column 1: burn_in: True: must be a number"),
         ("axes = 3", "line 2, column 1: axes: 3: must be a table"),
         ("cases = [3]", "line 2, column 10: cases.1: 3: must be a table"),
@@ -190,7 +190,7 @@ def test_failed_cases_are_counted_told_and_repeated_on_demand():
         ("[axes]\npretensoin = [1]", "line 3, column 1: axes.pretensoin: axes: 'pretensoin' is no"),
         ('[axes]\nforce_law = [{type="Hert"}]', "column 15: axes.force_law.1.type: 'Hert' is not"),
         ('[axes]\n"rtol, atol" = [[1e-5]]', "got the row (1e-05,); expected 2 values"),
-        ("[run]\nduraton = 1", "line 3, column 1: run.duraton: means nothing here; did you mean"),
+        ("[run]\nduraton = 1", "line 3, column 1: run.duraton: unknown key; did you mean"),
         ("[samples]\ncount = 2", "samples: 'distributions' is missing"),
         ("[samples]\ncount = 2\nmethod='sobl'\n[samples.distributions]\nrtol={norm=[1,2]}",
          "did you mean 'sobol'"),

@@ -101,7 +101,7 @@ def test_settings_take_the_place_of_what_a_file_says():
             "force_law={type='Hertzz'}",
             "force_law.type: 'Hertzz' is not known; did you mean 'Hertz'",
         ),
-        ("force_law={type='Hertz', dampin='a'}", "force_law.dampin: means nothing here; did you"),
+        ("force_law={type='Hertz', dampin='a'}", "force_law.dampin: unknown key; did you"),
         ("chain.links=abc", "Chain.links = 'abc': must be a whole number"),
         ("start=statc", "start = 'statc': must be 'generated' or 'static'"),
         ("tensioner.damping=1", "cannot be changed, for drive.tensioner is None"),

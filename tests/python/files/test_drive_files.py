@@ -126,7 +126,7 @@ def test_a_name_that_the_catalogue_lacks_is_told_with_the_other_mistakes(tmp_pat
     first, second = str(caught.value).splitlines()
     assert "line 5, column 1: drive.chain: 'ISO 08C' is not in the catalogue; did you mean" in first
     assert "line 6" in second
-    assert "teth: means nothing here; did you mean 'teeth'?" in second
+    assert "teth: unknown key; did you mean 'teeth'?" in second
 
 
 def test_links_of_both_tables_of_a_drive_of_two_sprockets_must_agree(tmp_path):
@@ -216,7 +216,7 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
     ("old", "new", "line", "text"),
     [
         ("teeth = 25", "teeth = 3", 22, "drive.sprockets.2: Sprocket.teeth = 3: must be between"),
-        ("teeth = 25", "teth = 25", 22, "drive.sprockets.2.teth: means nothing here; did you "),
+        ("teeth = 25", "teth = 25", 22, "drive.sprockets.2.teth: unknown key; did you "),
         ("teeth = 25", "teeth = '25'", 22, "drive.sprockets.2.teeth: '25': must be an integer"),
         ("teeth = 25", "", 21, "drive.sprockets.2: 'teeth' is missing"),
         ('"outside"', '"outsde"', 30, "sprockets.3.side: 'outsde': must be 'inside' or 'outside'"),
@@ -225,14 +225,19 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
         ('"ANSI 40"', '"ANSI 41x"', 11, "'ANSI 41x' is not in the catalogue; did you mean"),
         ("elongation = 0.002", "elongation = 0.5", 15, "Chain.elongation = 0.5: must be between"),
         ('"machine.csv"', '"mashine.csv"', 24, "motion.curve.file: 'mashine.csv': "),
-        ("torque = 0.0", "torqe = 0.0", 24, "drive.sprockets.2.motion.torqe: means nothing"),
-        ("torque = 0.0, curve", "torqe = 0.0, curv", 24, "drive.sprockets.2.motion.curv: means"),
-        ("speed = [[0.0", "rpm = [[0.0", 19, "motion.rpm: means nothing here; known: 'speed'"),
+        ("torque = 0.0", "torqe = 0.0", 24, "drive.sprockets.2.motion.torqe: unknown key"),
+        (
+            "torque = 0.0, curve",
+            "torqe = 0.0, curv",
+            24,
+            "drive.sprockets.2.motion.curv: unknown key",
+        ),
+        ("speed = [[0.0", "rpm = [[0.0", 19, "motion.rpm: unknown key; known: 'speed'"),
         ("[0.02, 12.566]", "[0.0, 12.566]", 19, "PrescribedSpeed.speed = 0 s after 0 s"),
-        ("[simulation]", "[simulaton]", 32, "simulaton: means nothing here; did you mean"),
+        ("[simulation]", "[simulaton]", 32, "simulaton: unknown key; did you mean"),
         ("accuracy = 1e-9", "accuracy = -1", 34, "Solver.accuracy = -1: must be a positive"),
         ('"flores"', '"flors"', 33, "simulation.force_law.damping: 'flors': must be"),
-        ("report_step", "report_stp", 38, "run.report_stp: means nothing here; did you mean"),
+        ("report_step", "report_stp", 38, "run.report_stp: unknown key; did you mean"),
         ("duration = 0.02", "duration = -1.0", 37, "run: duration = -1: must be a positive"),
         ('type = "ToothForceAbove"\n', "", 41, "its keys fit several types"),
         ("force = 5000.0", "force = -1.0", 43, "ToothForceAbove.force = -1.0: must be a positive"),
@@ -259,11 +264,11 @@ def test_three_mistakes_are_told_at_once_each_with_place_field_and_nearest_name(
     assert told[2].startswith(f"{line} 33, column 31: simulation.force_law.damping: 'flors'")
     assert told[2].endswith("'hu-guo' or 'zhiying-qishao'; did you mean 'flores'?")
     assert told == [
-        f"{line} 22, column 1: drive.sprockets.2.teth: means nothing here; did you mean 'teeth'?",
-        f"{line} 24, column 12: drive.sprockets.2.motion.torqe: means nothing here; "
+        f"{line} 22, column 1: drive.sprockets.2.teth: unknown key; did you mean 'teeth'?",
+        f"{line} 24, column 12: drive.sprockets.2.motion.torqe: unknown key; "
         "did you mean 'torque'?",
         told[2],
-        f"{line} 38, column 1: run.report_stp: means nothing here; did you mean 'report_step'?",
+        f"{line} 38, column 1: run.report_stp: unknown key; did you mean 'report_step'?",
     ]
 
 
@@ -525,9 +530,7 @@ def test_brackets_in_a_text_of_many_lines_are_read_at_once(tmp_path):
     with pytest.raises(rc.InvalidInput, match="is no TOML"):
         rc.load_scene(path)
     path.write_text(path.read_text() + '\n"""\n')
-    with pytest.raises(
-        rc.InvalidInput, match=r"line 6, column 1: drive\.speeds: means nothing here"
-    ):
+    with pytest.raises(rc.InvalidInput, match=r"line 6, column 1: drive\.speeds: unknown key"):
         rc.load_scene(path)
 
 

@@ -130,12 +130,20 @@ class Mechanism(WithJoints, WithForces, WithContacts, HtmlView):
 
         Parameters
         ----------
+        name : str
+            Name of the body.
         mass, inertia : float
-            [kg] and, about the centre of mass, [kg m^2]; above zero for a body that moves.
+            Mass [kg], and moment of inertia about the centre of mass [kg m^2]; above zero for a
+            body that moves.
         position, velocity : (float, float, float)
-            Centre of mass and angle [m, m, rad], and their rates.
+            Centre of mass and angle [m, m, rad], and their rates [m/s, m/s, rad/s].
         fixed : bool
             Whether the body is held where it is.
+
+        Returns
+        -------
+        str
+            The name.
         """
         check_part_name("name of a body", name)
         for part, given in (("position", position), ("velocity", velocity)):

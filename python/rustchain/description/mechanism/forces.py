@@ -27,7 +27,22 @@ class WithForces:
         point: Point = (0.0, 0.0),
         follows: bool = False,
     ) -> None:
-        """Push a point of a body with a force (x, y) [N], which may turn with the body."""
+        """Add a force on a point of a body.
+
+        Parameters
+        ----------
+        name : str
+            Name of the force.
+        body : str
+            Name of the body.
+        force : (x, y)
+            Components of the force [N], each a number or a function of time.
+        point : (float, float)
+            Point in the frame of the body [m]; by default the centre of mass.
+        follows : bool
+            Whether the force turns with the body: `force` is then in its frame, otherwise in that
+            of the ground.
+        """
         if not isinstance(force, Sequence | np.ndarray) or len(force) != 2:
             msg = f"force of {shown(name)} = {shown(force)}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
@@ -53,9 +68,22 @@ class WithForces:
         by_speed: Curve | None = None,
         reaction: str = GROUND,
     ) -> None:
-        """Turn a body with a torque [N m] of time, or by a curve of (speed [rad/s], torque).
+        """Add a torque on a body, over time or over its speed.
 
-        `reaction` names the body that takes the reaction and from which the speed is seen.
+        Exactly one of `torque` and `by_speed` must be given.
+
+        Parameters
+        ----------
+        name : str
+            Name of the torque.
+        body : str
+            Name of the body.
+        torque : float or function of time, optional
+            Torque [N m] over time [s], counterclockwise positive.
+        by_speed : rows of (speed, torque) or Table, optional
+            Torque [N m] over the angular velocity relative to `reaction` [rad/s].
+        reaction : str
+            Name of the body that takes the reaction; by default the ground.
         """
         one_of(name, "torque", torque, "by_speed", by_speed)
         if torque is None:
@@ -131,7 +159,22 @@ class WithForces:
         cubic: float = 0.0,
         table: Curve | None = None,
     ) -> None:
-        """Put a spring and damper between two angles; as `add_spring`, with radians."""
+        """Add a torsion spring and damper between the angles of two bodies.
+
+        Parameters
+        ----------
+        name : str
+            Name of the spring.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        stiffness, damping, cubic : float
+            [N m/rad], [N m s/rad] and [N m/rad^3]. The torque against the rotation x of b relative
+            to a is stiffness * x + cubic * x^3 + damping * x'.
+        rest_angle : float, optional
+            Angle of b minus that of a without torque [rad]; by default as placed.
+        table : sequence of (rotation [rad], torque [N m]), optional
+            In place of stiffness and cubic.
+        """
         self.forces = (
             *self.forces,
             Force(
@@ -152,6 +195,10 @@ class WithForces:
 
         Parameters
         ----------
+        name : str
+            Name of the force.
+        body : str
+            Name of the body.
         function : callable
             Called with time [s], position and velocity of the body (three numbers each); returns
             force x, force y [N] and torque about the centre of mass [N m]. An exception ends the

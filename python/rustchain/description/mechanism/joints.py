@@ -32,15 +32,23 @@ class WithJoints:
         friction: Coulomb | None = None,
         radius: float | None = None,
     ) -> None:
-        """Let a point of each body coincide.
+        """Add a revolute joint: a point of each body coincides.
 
         Parameters
         ----------
+        name : str
+            Name of the joint.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        point_a, point_b : (float, float), optional
+            Points in the frames of the bodies [m]; by default the centres of mass.
+        at : (float, float), optional
+            In place of both points: a point of the ground's frame [m], for the bodies as placed.
         friction : Coulomb, optional
             Friction of the pin: a torque of `radius` times coefficient times reaction force
             against the relative rotation. Its `speed` is that of the pin's surface.
         radius : float, optional
-            Of the pin [m]; only with `friction`, which needs it.
+            Radius of the pin [m]; only with `friction`, which needs it.
         """
         pin: dict[str, Any] = {"friction": friction, "radius": radius}
         self._join("revolute", name, body_a, body_b, point_a, point_b, at, **pin)
@@ -55,7 +63,21 @@ class WithJoints:
         at: Point | None = None,
         angle: float | None = None,
     ) -> None:
-        """Weld two bodies; `angle` of b less that of a [rad], by default as placed."""
+        """Add a fixed joint: a point of each body coincides, and their relative angle is constant.
+
+        Parameters
+        ----------
+        name : str
+            Name of the joint.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        point_a, point_b : (float, float), optional
+            Points in the frames of the bodies [m]; by default the centres of mass.
+        at : (float, float), optional
+            In place of both points: a point of the ground's frame [m], for the bodies as placed.
+        angle : float, optional
+            Angle of body b minus that of body a [rad]; by default as placed.
+        """
         self._join("fixed", name, body_a, body_b, point_a, point_b, at, value=angle)
 
     def add_prismatic(
@@ -69,7 +91,25 @@ class WithJoints:
         at: Point | None = None,
         angle: float | None = None,
     ) -> None:
-        """Let b slide on a line of a without turning: through point a, along `direction` of a."""
+        """Add a prismatic joint: body b slides along a line of body a without rotation.
+
+        Point b stays on the line of body a through point a along `direction`.
+
+        Parameters
+        ----------
+        name : str
+            Name of the joint.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        direction : (float, float)
+            Direction of the line in the frame of body a; its length does not matter.
+        point_a, point_b : (float, float), optional
+            Points in the frames of the bodies [m]; by default the centres of mass.
+        at : (float, float), optional
+            In place of both points: a point of the ground's frame [m], for the bodies as placed.
+        angle : float, optional
+            Angle of body b minus that of body a [rad]; by default as placed.
+        """
         line: dict[str, Any] = {"direction": direction, "value": angle}
         self._join("prismatic", name, body_a, body_b, point_a, point_b, at, **line)
 
@@ -83,7 +123,21 @@ class WithJoints:
         point_b: Point | None = None,
         at: Point | None = None,
     ) -> None:
-        """Keep point b on the line of a through point a, along `direction` of a."""
+        """Keep point b on the line of body a through point a; body b can rotate.
+
+        Parameters
+        ----------
+        name : str
+            Name of the joint.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        direction : (float, float)
+            Direction of the line in the frame of body a; its length does not matter.
+        point_a, point_b : (float, float), optional
+            Points in the frames of the bodies [m]; by default the centres of mass.
+        at : (float, float), optional
+            In place of both points: a point of the ground's frame [m], for the bodies as placed.
+        """
         self._join("point_on_line", name, body_a, body_b, point_a, point_b, at, direction=direction)
 
     def add_distance(
@@ -95,21 +149,37 @@ class WithJoints:
         point_b: Point = (0.0, 0.0),
         length: float | None = None,
     ) -> None:
-        """Keep two points at a distance [m], by default as placed."""
+        """Keep two points at a constant distance.
+
+        Parameters
+        ----------
+        name : str
+            Name of the joint.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        point_a, point_b : (float, float)
+            Points in the frames of the bodies [m]; by default the centres of mass.
+        length : float, optional
+            Distance of the points [m]; by default as placed.
+        """
         self._join_at("distance", name, body_a, body_b, point_a, point_b, value=length)
 
     def add_gear(
         self, name: str, body_a: str, body_b: str, ratio: float, carrier: str | None = None
     ) -> None:
-        """Let two wheels roll on each other.
+        """Add a gear pair: two wheels roll on each other.
 
         Parameters
         ----------
+        name : str
+            Name of the joint.
+        body_a, body_b : str
+            Names of the bodies that are the wheels.
         ratio : float
-            Turns of b for one turn of a, both seen from the carrier: -r_a / r_b for wheels outside
-            each other, +r_a / r_b for one inside the other.
+            Turns of b for one turn of a, both relative to the carrier: -r_a / r_b for wheels
+            outside each other, +r_a / r_b for one inside the other. Not zero.
         carrier : str, optional
-            The body on which both turn; by default the ground.
+            Name of the body on which both turn; by default the ground.
         """
         self._join("gear", name, body_a, body_b, value=ratio, carrier=carrier)
 
@@ -123,7 +193,25 @@ class WithJoints:
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
     ) -> None:
-        """Let a wheel b roll on a line of a: displacement = `radius` * turns of b [rad]."""
+        """Add a rack: a wheel, body b, rolls on a line of body a.
+
+        The displacement of point b from point a along `direction` changes by `radius` times the
+        angle of b relative to a [rad]. The positions as placed are the reference.
+
+        Parameters
+        ----------
+        name : str
+            Name of the joint.
+        body_a, body_b : str
+            Names of the bodies of the rack and of the wheel; "ground" is the frame that does not
+            move.
+        direction : (float, float)
+            Direction of the line in the frame of body a; its length does not matter.
+        radius : float
+            Radius of the wheel [m]; negative for rotation in the other direction.
+        point_a, point_b : (float, float)
+            Points in the frames of the bodies [m]; by default the centres of mass.
+        """
         line: dict[str, Any] = {"direction": direction, "value": radius}
         self._join_at("rack", name, body_a, body_b, point_a, point_b, **line)
 
@@ -135,7 +223,22 @@ class WithJoints:
         angle: Signal | None = None,
         speed: Signal | None = None,
     ) -> None:
-        """Prescribe the angle [rad] or the speed [rad/s] of b seen from a."""
+        """Prescribe the angle or the angular velocity of body b relative to body a.
+
+        Exactly one of `angle` and `speed` must be given.
+
+        Parameters
+        ----------
+        name : str
+            Name of the driver.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        angle : float or function of time, optional
+            Angle of b minus that of a [rad] over time [s].
+        speed : float or function of time, optional
+            Angular velocity [rad/s] over time [s], from the angle as placed. A function of time is
+            rows, `Table`, `Spline`, `Sines` or `SmoothStep`.
+        """
         motion = one_of(name, "angle", angle, "speed", speed)
         self._join("driven_angle", name, body_a, body_b, motion=motion, by_speed=angle is None)
 
@@ -150,7 +253,25 @@ class WithJoints:
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
     ) -> None:
-        """Prescribe displacement [m] or speed [m/s] of point b along `direction` from point a."""
+        """Prescribe displacement or speed of point b along a direction from point a.
+
+        Exactly one of `position` and `speed` must be given.
+
+        Parameters
+        ----------
+        name : str
+            Name of the driver.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        direction : (float, float)
+            Direction of the line in the frame of body a; its length does not matter.
+        position : float or function of time, optional
+            Displacement of point b from point a along `direction` [m] over time [s].
+        speed : float or function of time, optional
+            Its rate [m/s] over time [s], from the position as placed.
+        point_a, point_b : (float, float)
+            Points in the frames of the bodies [m]; by default the centres of mass.
+        """
         motion = one_of(name, "position", position, "speed", speed)
         law: dict[str, Any] = {
             "direction": direction,
