@@ -49,10 +49,9 @@ class Scene(Description):
         "generated": the generated configuration of a drive, with nothing in contact, or the
         described positions of a mechanism. "static": the static equilibrium under gravity, the
         loads of the first instant and the full force of tensioner and plungers, which then have
-        no ramp. The search begins at the generated or described positions, with motors and drivers held
-        there, and without friction. The
-        sprockets' speeds are those of the generated start, the velocities of a mechanism those
-        described.
+        no ramp. The search begins at the generated or described positions, with motors and
+        drivers held there, and without friction. The sprockets' speeds are those of the
+        generated start, the velocities of a mechanism those described.
     positions, velocities : array_like, (bodies, 3), optional
         Initial positions [m, m, rad] and velocities [m/s, m/s, rad/s]; by default the generated.
         Positions need velocities with them; velocities alone go with the generated positions. What

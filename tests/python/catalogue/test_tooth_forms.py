@@ -170,5 +170,5 @@ def test_a_drive_of_other_teeth_runs_with_a_closed_balance(profile, faults):
 def test_a_seat_that_leaves_no_room_for_the_bushing_is_refused(room):
     tooth = rc.StraightTooth(flank_angle=0.3, seat_radius=(1.0 + room) * RADIUS)
     sprockets = [rc.Sprocket(17, profile=tooth), rc.Sprocket(17, (0.3, 0.0))]
-    with pytest.raises(rc.InvalidInput, match="its radius must be at least|a seat wider than"):
+    with pytest.raises(rc.InvalidInput, match=r"its radius must be at least|a seat wider than"):
         rc.chain_drive("ANSI 40", sprockets, adjust=2)
