@@ -112,7 +112,8 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
         power = mean_powers(result, start, end)
         found["loss"] = float(sum(power.losses.values()))
         motions = [sprocket.motion for sprocket in result.drive.sprockets]
-        driven = not all(isinstance(motion, Free) for motion in motions[1:])
+        loaded = result.array("sprocket_torque")[rows, 1 : len(motions)].any()  # as by set_torque
+        driven = loaded or not all(isinstance(motion, Free) for motion in motions[1:])
         if driven and not skipped:
             found["efficiency"] = power.efficiency
     return Summary(found)

@@ -186,6 +186,7 @@ class MotionFigures(Figures):
                     found["channel"].to_numpy(), found["loss"].to_numpy(), strict=True
                 )
             ),
+            *([("other work", other, GREY)] if (other := float(found["other_work"])) else []),
             ("stored", -float(found["stored"].sum()), GREEN),
             ("residual", float(found["residual"]), GREY),
         ]
