@@ -89,6 +89,8 @@ def test_a_motor_at_rest_does_no_work_while_the_tensioner_pulls():
     np.testing.assert_array_equal(power["shaft_power"], 0.0)
     assert float(power["other_work"]) > 0.0
     assert_balanced(power)
+    labels = [each.get_text() for each in result.plot.power_balance().axes[1].get_yticklabels()]
+    assert "other work" in labels
 
 
 def test_the_work_of_a_plunger_is_that_of_its_torque_on_the_arm():
