@@ -14,6 +14,7 @@ from rustchain.analysis.transmission import angle_error, ripple_of
 from rustchain.analysis.window import rows_between
 from rustchain.description.drive import Free
 from rustchain.html import HtmlView
+from rustchain.parts import bushings_of, hinges_of
 from rustchain.typing import Time
 
 if TYPE_CHECKING:
@@ -86,12 +87,15 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
             found[f"tension_{name}"] = float(tension.mean())
             found[f"tension_{name}_std"] = float(tension.std())
         if result.drive.hinges == "clearance":
-            depth = result.array("hinge_penetration")[rows]
+            depth = result.array("hinge_penetration")[rows][:, hinges_of(result.drive)]
             found["hinge_contact_share"] = float((depth > 0.0).mean())
     parts = {"hinges": "hinge", "teeth": "tooth", "joints": "joint", "contacts": "contact"}
+    there = {"hinges": hinges_of, "teeth": bushings_of}
     for group, part in parts.items():
         if group in result.groups and result.array(f"peak_{part}_force").size:
             peak = result.array(f"peak_{part}_force")[rows]
+            if group in there:
+                peak = peak[:, there[group](result.drive)]
             found[f"{part}_force_p99"] = float(np.quantile(peak, 0.99))
             found[f"{part}_force_largest"] = float(peak.max())
     if "teeth" in result.groups and jumps is not None:
@@ -108,7 +112,8 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
         power = mean_powers(result, start, end)
         found["loss"] = float(sum(power.losses.values()))
         motions = [sprocket.motion for sprocket in result.drive.sprockets]
-        driven = not all(isinstance(motion, Free) for motion in motions[1:])
+        loaded = result.array("sprocket_torque")[rows, 1 : len(motions)].any()  # as by set_torque
+        driven = loaded or not all(isinstance(motion, Free) for motion in motions[1:])
         if driven and not skipped:
             found["efficiency"] = power.efficiency
     return Summary(found)

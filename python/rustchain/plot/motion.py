@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.parts import bushings_of, hinges_of
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
@@ -147,6 +148,9 @@ class MotionFigures(Figures):
                 known = [str(each) for each in found.dims if each != "frequency"]
                 msg = f"{dim}: {shown(name)} has no such parts; {suggest(dim, known)}"
                 raise InvalidInput(msg)
+        there = {"hinge": hinges_of, "bushing": bushings_of}  # those of drives alone
+        for dim in (each for each in there if each in found.dims and each not in of):
+            found = found.isel({dim: there[dim](self.result.drive)})
         chosen = found.sel(of)
         others = [dim for dim in chosen.dims if dim != "frequency"]
         figure, axes = subplots(ax=ax, figsize=(7.0, 2.9))
@@ -182,6 +186,7 @@ class MotionFigures(Figures):
                     found["channel"].to_numpy(), found["loss"].to_numpy(), strict=True
                 )
             ),
+            *([("other work", other, GREY)] if (other := float(found["other_work"])) else []),
             ("stored", -float(found["stored"].sum()), GREEN),
             ("residual", float(found["residual"]), GREY),
         ]

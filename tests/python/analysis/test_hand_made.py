@@ -145,16 +145,17 @@ def energies(time, **rates):
 
 
 def test_small_powers_are_those_of_torques_and_of_the_growth_of_energies(run):
-    """The motor puts in 0.8 W, the load takes 0.5 W, the idler nothing; 0.2 W are lost."""
+    """The motor puts in 0.9 W, the load takes 0.5 W, the torque set on the idler 0.1 W."""
     time = np.array([0.5, 0.6, 0.9])
     rates = {"external_work": 0.3, "dissipated": 0.2, "kinetic": 0.06, "residual": -0.04}
-    made = powers(run, time, [7.0, -0.25, 3.0], [12.0, 2.0, 5.0], energies(time, **rates))
+    made = powers(run, time, [7.0, -0.25, -0.02], [12.0, 2.0, 5.0], energies(time, **rates))
     found = made.power_balance()
-    np.testing.assert_allclose(found["shaft_power"], [0.8, -0.5, 0.0], atol=1e-12)
+    np.testing.assert_allclose(found["shaft_power"], [0.9, -0.5, -0.1], atol=1e-12)
+    assert float(found["other_work"]) == 0.0
     assert float(found["loss"].sum()) == pytest.approx(0.2)
     np.testing.assert_allclose(found["stored"], [0.06, 0.0, 0.0], atol=1e-12)
     assert float(found["residual"]) == pytest.approx(-0.04)
-    assert float(found["efficiency"]) == pytest.approx(0.5 / 0.7)
+    assert float(found["efficiency"]) == pytest.approx(0.6 / 0.8)
     assert found.attrs["span"] == pytest.approx(0.4)
 
 

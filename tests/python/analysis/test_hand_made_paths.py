@@ -440,9 +440,14 @@ def test_a_sprocket_whose_teeth_were_jumped_has_no_error(summed, sprocket, error
     assert "efficiency" in replace(summed, jumps=jumps).summary(end=0.35 - 1e-9)
 
 
-def test_a_drive_whose_other_sprockets_are_free_has_no_efficiency(summed):
+def test_a_drive_whose_other_sprockets_have_no_torque_has_no_efficiency(summed):
     free = [replace(sprocket, motion=rc.Free()) for sprocket in THREE.sprockets[1:]]
     system = replace(THREE, sprockets=[THREE.sprockets[0], *free])
-    found = replace(summed, scene=replace(summed.scene, system=system)).summary()
+    made = replace(summed, scene=replace(summed.scene, system=system))
+    assert (
+        made.summary()["efficiency"] == summed.summary()["efficiency"]
+    )  # by a torque that was set
+    idle = {"sprocket_torque": summed.array("sprocket_torque") * [1.0, 0.0, 0.0]}
+    found = replace(made, arrays=made.arrays | idle).summary()
     assert "loss" in found
     assert "efficiency" not in found

@@ -1,0 +1,44 @@
+"""Key figures and spectra of open chains, whose arrays have places without a hinge or a bushing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "links", "hinges", "bushings"),
+    [
+        (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(5.0), 10, {11}, {11}),
+        (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd(), 4, {4, 5}, {4, 5}),
+        (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd(), 5, {5, 6}, {6}),
+        (rc.FreeEnd(), rc.AnchoredEnd((0.0, 0.0)), 4, {5, 6}, {5}),
+    ],
+)
+def test_key_figures_count_the_hinges_and_bushings_that_there_are(
+    first, last, links, hinges, bushings
+):
+    """Numbers from 1 of those that there are not; the first link is an inner one."""
+    drive = rc.open_chain("ANSI 40", (first, last), links=links)
+    result = rc.Simulation(drive, start="static").run(2e-3, progress=False)
+    assert result.summary()["hinge_contact_share"] == 1.0  # all bear the weight below them
+    numbers = np.arange(1, links + 3)
+    force = np.tile(numbers.astype(float), (len(result.time), 1))
+    arrays = {}
+    for name, absent in (("hinge", hinges), ("tooth", bushings)):
+        there = ~np.isin(numbers, list(absent))
+        arrays[f"peak_{name}_force"] = np.where(there, force, np.nan)
+    found = replace(result, arrays=result.arrays | arrays).summary()
+    for name, absent in (("hinge", hinges), ("tooth", bushings)):
+        expected = np.quantile([k for k in numbers if k not in absent], 0.99)
+        assert found[f"{name}_force_p99"] == pytest.approx(expected, abs=0.5)
+
+
+def test_the_mean_spectrum_of_an_open_chain_is_that_of_its_hinges():
+    drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()), links=10)
+    result = rc.Simulation(drive).run(5e-3, progress=False)
+    drawn = result.plot.spectrum("hinge_force").axes[0].lines[0].get_ydata()
+    found = result.spectrum("hinge_force").sel(hinge=[*range(1, 10), 12])
+    np.testing.assert_allclose(drawn, found.mean("hinge"), rtol=1e-12)
