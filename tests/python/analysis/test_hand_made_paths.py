@@ -255,10 +255,11 @@ def test_the_spectrum_of_a_strand_is_that_of_its_motion(run):
     np.testing.assert_allclose(found["frequency"], frequency)
     np.testing.assert_allclose(found["density"], density, rtol=1e-9, atol=1e-20)
     mean = tension[8:, 1].mean()
-    chain_speed = pitch_radius(17) * np.abs(speed[8:, 0]).mean()
+    teeth_a_second = 17 * np.abs(speed[8:, 0]).mean() / (2 * math.pi)
+    chain_speed = teeth_a_second * PITCH
     assert found.attrs["tension"] == pytest.approx(mean)
     assert found.attrs["speed"] == pytest.approx(chain_speed)
-    assert found.attrs["tooth_frequency"] == pytest.approx(chain_speed / PITCH)
+    assert found.attrs["tooth_frequency"] == pytest.approx(teeth_a_second)
     begin, end = Belt.around(THREE, result.array("sprocket_center")[:1]).strand(1)
     pitches = math.hypot(*(end - begin)[0]) / PITCH
     assert found.attrs["pitches"] == pytest.approx(pitches)
