@@ -84,7 +84,7 @@ def strand_motion(
     rows = rows_between(result, start, end)
     drive = result.drive
     name = strand_name(result, strand)
-    circuit = Circuit.of(drive)
+    circuit = Circuit.during(result, rows)
     section = circuit.section(f"strand {name}")
     belt = Belt.around(drive, result.array("sprocket_center")[rows])
     begin, finish = belt.strand(circuit.sections.index(section) // 2)
