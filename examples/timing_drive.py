@@ -77,7 +77,8 @@ found, moving, resting = [], [], []
 for speed, colour in zip(SPEEDS, ("tab:blue", "tab:green", "tab:red"), strict=True):
     result = plucked(speed)
     tension = float(result.strand(STRAND).tension.mean())
-    velocity, wave = first * speed, math.sqrt(tension / mass)
+    velocity = crank.teeth * drive.chain.pitch * speed / (2.0 * math.pi)
+    wave = math.sqrt(tension / mass)
     resting.append(modes * wave / (2.0 * span))
     moving.append(resting[-1] * (1.0 - (velocity / wave) ** 2))
     spectrum = result.strand_spectrum(STRAND, stations=(1 / 6, 0.25, 0.5, 0.7))

@@ -14,6 +14,7 @@ from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
     from rustchain.description.drive import ChainDrive
+    from rustchain.description.report import DriveReport
     from rustchain.results.result import Result
     from rustchain.typing import Array
 
@@ -58,58 +59,67 @@ class Circuit:
     links: int
     sections: tuple[Section, ...]
     _first: int  # number of the sprocket whose angle gives the displacement of the chain
-    _teeth: int  # its teeth
-    _pitches_per_radian: float
-    _phase: float
+    _ahead: float = 0.0  # whole pitches by which bushings stand ahead of the gaps of that sprocket
 
     @classmethod
     def of(cls, drive: ChainDrive) -> Circuit:
         """Return the chain path of a drive in its initial configuration."""
-        if drive.ends is not None:
-            msg = "ChainDrive.ends: an open chain has no closed way that its links run round"
-            raise InvalidInput(msg)
+        described = np.array([[sprocket.center for sprocket in _closed(drive).sprockets]])
+        begin, wrap = _wraps(drive, described, np.zeros(described.shape[:2]))
+        return cls._through(drive, begin[0], wrap[0])
+
+    @classmethod
+    def during(cls, result: Result, rows: slice) -> Circuit:
+        """Return the chain path in these rows, in their mean where sprockets move.
+
+        Where a sprocket moves, slack goes from strand to strand: the chain moves on by more at one
+        sprocket than at another. Angles of sprockets show it, as bushings remain in their gaps. A
+        static start may move them over whole gaps: recorded contacts show in which they are.
+        """
+        drive = result.drive
+        report = _closed(drive).check()
+        numbers = range(1, len(drive.sprockets) + 1)
+        moved = np.stack([_moved(result, number)[rows] for number in numbers], axis=1)
+        centers = result.array("sprocket_center")[rows, : len(drive.sprockets)]
+        begin, wrap = _wraps(drive, centers, moved)
+        shift = np.zeros(len(report.order))
+        if "teeth" in result.groups:
+            angle = result.array("sprocket_angle")[rows]
+            wheel, gap = (result.array(f"tooth_{name}")[rows] for name in ("sprocket", "index"))
+            meeting = Belt.around(drive, centers).meeting
+            for place, number in enumerate(report.order):
+                row, bushing = np.nonzero(wheel == number)
+                if not row.size:
+                    continue
+                teeth = report.teeth[number - 1]
+                around = (angle[row, number - 1] - meeting[row, place]) * teeth / (2 * math.pi)
+                seen = _turn(report, number - 1) * (around + gap[row, bushing])
+                middle = 0.5 * wrap[row, place]
+                way = moved[row, report.order[0] - 1] + bushing - begin[row, place]
+                apart = _nearest(way - middle, drive.chain.links) + middle - seen
+                shift[place] = np.round(np.median(_nearest(apart, teeth)))
+        # Position 0 remains the first seat of the first sprocket, whichever hinge starts there.
+        begin = begin.mean(axis=0) + shift - shift[0]
+        return cls._through(drive, begin, wrap.mean(axis=0), shift[0])
+
+    @classmethod
+    def _through(cls, drive: ChainDrive, begin: Array, wrap: Array, ahead: float = 0.0) -> Circuit:
+        """Return the path with these wraps, in the order along the chain [pitches]."""
         report = drive.check()
-        belt = Belt.around(drive, np.array([[s.center for s in drive.sprockets]]))
-        count = len(report.order)
-        pitches = _in_order_of_the_way(report.strand_pitches)
         names = _in_order_of_the_way(report.strands)
-        sections: list[tuple[str, int | None, float, float]] = []
-        seat = 0.0
+        sections: list[Section] = []
+        following = [*begin[1:], begin[0] + drive.chain.links]
         for place, number in enumerate(report.order):
-            k = number - 1
-            per_radian = drive.sprockets[k].teeth / (2 * math.pi)
-            turn = 1.0 if report.sides[k] == "inside" else -1.0
-            first_seat = report.first_seat_angle[k] + (belt.line_angle if count == 2 else 0.0)
-            # The belt line meets the pitch circle before the first seat, or a little behind it.
-            apart = _wrapped(float(belt.meeting[0, place]) - first_seat)
-            enter = turn * per_radian * apart
-            leave = enter + per_radian * report.belt_wrap_angle[k]
-            sections.append((f"sprocket {number}", number, seat + enter, seat + leave))
-            seat += report.wrap_pitches[k]
-            sections.append((f"strand {names[place]}", None, seat, seat))
-            seat += float(pitches[place])
-        ends = [*(begin for _, _, begin, _ in sections[2::2]), sections[0][2] + drive.chain.links]
-        for place, end in enumerate(ends):
-            begin = sections[2 * place][3]
-            sections[2 * place + 1] = (sections[2 * place + 1][0], None, begin, end)
-        first = report.order[0]
-        return cls(
-            drive.chain.links,
-            tuple(Section(*each) for each in sections),
-            first,
-            drive.sprockets[first - 1].teeth,
-            (1.0 if report.sides[first - 1] == "inside" else -1.0)
-            * drive.sprockets[first - 1].teeth
-            / (2 * math.pi),
-            report.phase[first - 1],
-        )
+            end = float(begin[place] + wrap[place])
+            sections += [
+                Section(f"sprocket {number}", number, float(begin[place]), end),
+                Section(f"strand {names[place]}", None, end, float(following[place])),
+            ]
+        return cls(drive.chain.links, tuple(sections), report.order[0], ahead)
 
     def moved(self, result: Result) -> Array:
         """Return the displacement of the chain since the start [pitches], (times,)."""
-        angle: Array = result.array("sprocket_angle")[:, self._first - 1]
-        jumped = 2 * math.pi / self._teeth * teeth_jumped(result, self._first)
-        moved: Array = (angle - jumped - self._phase) * self._pitches_per_radian
-        return moved
+        return _moved(result, self._first) - self._ahead
 
     def positions(self, result: Result) -> Array:
         """Return where each hinge is [pitches], from 0 to `links`, (times, hinges)."""
@@ -148,13 +158,10 @@ class Belt:
     meeting, leaving : ndarray, (times, sprockets)
         Angle about a sprocket where the line meets and leaves its pitch circle [rad]; sprockets in
         the order in which the chain meets them.
-    line_angle : float
-        Direction from the first sprocket to the second at the first time [rad].
     """
 
     meeting: Array
     leaving: Array
-    line_angle: float
     _ends: tuple[Array, Array]
 
     @classmethod
@@ -178,7 +185,6 @@ class Belt:
         return cls(
             meeting=np.roll(normal, 1, axis=1) + flipped,
             leaving=normal + flipped,
-            line_angle=float(np.arctan2(way[0, 0, 1], way[0, 0, 0])),
             _ends=(begin, end),
         )
 
@@ -188,11 +194,63 @@ class Belt:
         return begin[:, place], end[:, place]
 
 
+def _closed(drive: ChainDrive) -> ChainDrive:
+    """Return the drive, or raise where its chain is open."""
+    if drive.ends is not None:
+        msg = "ChainDrive.ends: an open chain has no closed way that its links run round"
+        raise InvalidInput(msg)
+    return drive
+
+
+def _wraps(drive: ChainDrive, centers: Array, moved: Array) -> tuple[Array, Array]:
+    """Return begin and length of each wrap [pitches], (times, sprockets) in the order of the chain.
+
+    `centers` are those of the sprockets [m], (times, sprockets, 2). `moved` is how far the chain
+    has moved at each of them [pitches], (times, sprockets).
+    """
+    report = drive.check()
+    belt = Belt.around(drive, centers)
+    pitches = _in_order_of_the_way(report.strand_pitches)
+    line = 0.0
+    if len(report.order) == 2:  # first seats count from the line of centres as described
+        (x1, y1), (x2, y2) = (sprocket.center for sprocket in drive.sprockets)
+        line = math.atan2(y2 - y1, x2 - x1)
+    begin, wrap = np.empty(belt.meeting.shape), np.empty(belt.meeting.shape)
+    seat = 0.0
+    for place, number in enumerate(report.order):
+        k = number - 1
+        per_radian = _turn(report, k) * report.teeth[k] / (2 * math.pi)
+        # The belt line meets the pitch circle before the first seat, or a little behind it.
+        apart = _nearest(belt.meeting[:, place] - report.first_seat_angle[k] - line, 2 * math.pi)
+        behind = moved[:, report.order[0] - 1] - moved[:, k]
+        begin[:, place] = seat + per_radian * apart + behind
+        length = per_radian * (belt.leaving[:, place] - belt.meeting[:, place])
+        described = report.belt_wrap_angle[k] * abs(per_radian)
+        wrap[:, place] = described + _nearest(length - described, report.teeth[k])
+        seat += report.wrap_pitches[k] + pitches[place]
+    return begin, wrap
+
+
+def _moved(result: Result, number: int) -> Array:
+    """Return the displacement of the chain at a sprocket since the start [pitches], (times,)."""
+    report, k = result.drive.check(), number - 1
+    tooth = 2 * math.pi / report.teeth[k]
+    angle = result.array("sprocket_angle")[:, k] - tooth * teeth_jumped(result, number)
+    moved: Array = (angle - report.phase[k]) * (_turn(report, k) / tooth)
+    return moved
+
+
+def _turn(report: DriveReport, k: int) -> float:
+    """Return 1 where a wheel turns as the chain goes round, -1 where it turns against it."""
+    return 1.0 if report.sides[k] == "inside" else -1.0
+
+
 def _in_order_of_the_way(values: tuple[_Listed, ...]) -> tuple[_Listed, ...]:
     """Return values by strand in the order of the chain path: two are listed upper, lower."""
     return values[::-1] if len(values) == 2 else values
 
 
-def _wrapped(angle: float) -> float:
-    """Return the angle between -π and π."""
-    return math.remainder(angle, 2 * math.pi)
+def _nearest(values: Array, period: float) -> Array:
+    """Return the values less whole periods, between minus and plus half a period."""
+    near: Array = values - period * np.round(values / period)
+    return near

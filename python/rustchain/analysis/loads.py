@@ -59,7 +59,9 @@ def hinge_loads(
     -------
     Dataset
         ``position`` is the position of a hinge along the chain path [pitches] from the first seat
-        of sprocket 1 at the start, counterclockwise; ``section`` names sprocket or strand. Over
+        of sprocket 1 at the start, counterclockwise; ``section`` names sprocket or strand. Sections
+        are those of the mean recorded centres and angles of the sprockets. After a static start
+        that moved a tensioner they need teeth recorded, too. Over
         ``position``: ``mean`` [N], from the impulses; ``quantiles`` [N] of the force at the
         reports; ``largest`` [N], peaks between reports included. NaN where no hinge has been. Over
         ``hinge``: ``hinge_mean``, ``hinge_quantiles``, ``hinge_largest`` [N].
@@ -68,7 +70,7 @@ def hinge_loads(
 
     bins_per_pitch = checked_bins("hinge_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
-    circuit = Circuit.of(result.drive)
+    circuit = Circuit.during(result, rows)
     where = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
     bins = bins_per_pitch * circuit.links
     place = np.floor(where * bins_per_pitch).astype(np.intp) % bins
@@ -117,7 +119,8 @@ def wrap_loads(
     -------
     Dataset
         ``position`` is the position of a bushing in the wrap [pitches] from the point where the
-        belt line meets the pitch circle, counterclockwise. Over ``position``: ``mean``,
+        belt line meets the pitch circle, counterclockwise. Where sprockets move, that point is the
+        mean over this part of the run. Over ``position``: ``mean``,
         ``quantiles``, ``largest`` [N] of the tooth force, as in `hinge_loads`, and ``hinge_mean``
         [N], the mean hinge force there. ``attrs["wrap"]`` is the length of the wrap [pitches].
     """
@@ -126,7 +129,7 @@ def wrap_loads(
     bins_per_pitch = checked_bins("wrap_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
     check_sprocket(result, sprocket)
-    circuit = Circuit.of(result.drive)
+    circuit = Circuit.during(result, rows)
     section = circuit.section(sprocket)
     # Teeth are met and left outside the belt line; half pitches put seats in the middle of a bin.
     begin = -1.5

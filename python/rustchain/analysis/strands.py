@@ -84,7 +84,7 @@ def strand_motion(
     rows = rows_between(result, start, end)
     drive = result.drive
     name = strand_name(result, strand)
-    circuit = Circuit.of(drive)
+    circuit = Circuit.during(result, rows)
     section = circuit.section(f"strand {name}")
     belt = Belt.around(drive, result.array("sprocket_center")[rows])
     begin, finish = belt.strand(circuit.sections.index(section) // 2)
@@ -146,8 +146,8 @@ def strand_spectrum(
         ``density`` [m^2/Hz], (station, frequency [Hz]): `scipy.signal.welch`, Hann's window.
         ``natural_frequency`` [Hz], (mode): of a string of rigid links between fixed ends, at
         the strand's mean tension and speed (`rustchain.analysis.strands.natural_frequencies`).
-        ``attrs``: ``tension`` [N], ``speed`` [m/s], ``pitches``, ``tooth_frequency`` [Hz]: that
-        of the engagements, pitches a second.
+        ``attrs``: mean ``tension`` [N], mean ``speed`` of the chain [m/s], ``pitches``,
+        ``tooth_frequency`` [Hz]: that of the engagements, pitches a second.
     """
     from rustchain.extras import xarray as xr
 
@@ -158,9 +158,11 @@ def strand_spectrum(
     rows = rows_between(result, start, end)
     name = str(motion.attrs["strand"])
     tension = float(result.strand(name).tension[rows].mean())
-    radius = result.drive.check().pitch_radius[0]
-    speed = radius * float(np.abs(result.array("sprocket_speed")[rows, 0]).mean())
     pitch = result.drive.chain.mean_pitch
+    # A revolution moves the chain by as many pitches as there are teeth.
+    turns = float(np.abs(result.array("sprocket_speed")[rows, 0]).mean()) / (2 * np.pi)
+    engaged = result.drive.sprockets[0].teeth * turns
+    speed = engaged * pitch
     pitches = motion.attrs["length"] / pitch
     mode = np.arange(1, modes + 1)
     natural = natural_frequencies(result.drive.chain, pitches, tension, speed, modes)
@@ -179,7 +181,7 @@ def strand_spectrum(
             "tension": tension,
             "speed": speed,
             "pitches": pitches,
-            "tooth_frequency": speed / pitch,
+            "tooth_frequency": engaged,
         },
     )
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from rustchain import _rustchain
 from rustchain.analysis.circuit import Circuit
+from rustchain.analysis.window import rows_between
 from rustchain.plot.between_rows import round_number
 from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
 from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
@@ -30,7 +31,7 @@ class LoadFigures(Figures):
         found = self.result.hinge_loads(quantiles=_QUANTILES, start=start, end=end)
         figure, axes = subplots(ax=ax, figsize=(7.0, 3.2))
         _band(axes, found["position"].to_numpy(), found)
-        circuit = Circuit.of(self.result.drive)
+        circuit = Circuit.during(self.result, rows_between(self.result, start, end))
         for section in circuit.sections:
             if section.sprocket is None:
                 continue

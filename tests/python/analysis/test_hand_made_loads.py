@@ -239,11 +239,11 @@ def test_loads_of_teeth_are_gathered_by_the_direction_of_their_gap(in_gaps, per_
     peak[[1, 2], 2] = 8.0, 7.0
     impulse[[1, 2], 2] = 0.8, 1.1
     peak[3, 24], impulse[3, 24] = 9.0, 0.9
-    phase = DRIVE.check().phase[0]
+    phase = DRIVE.check().phase[1]
     bins = 25 * per_pitch
     members = defaultdict(list)
     for row in range(6):
-        turned = 17 / 25 * (phase + 2 * math.pi / 17 * MIDWAY[row])
+        turned = phase + 2 * math.pi / 25 * MIDWAY[row]
         for gap in range(25):
             direction = math.degrees(turned) + 360.0 * gap / 25
             members[math.floor(direction % 360.0 / (360.0 / bins))].append((row, gap))

@@ -71,8 +71,6 @@ def test_the_belt_line_is_tangent_to_the_pitch_circles(drive):
             sign = 1.0 if wheel.side == "inside" else -1.0
             expected = sign * np.hypot(*way.T) * size
             np.testing.assert_allclose(side, expected, rtol=1e-9)
-    line = base[1] - base[0]
-    assert belt.line_angle == pytest.approx(math.atan2(line[1], line[0]))
 
 
 @pytest.mark.parametrize("drive", [THREE, OUTSIDE_FIRST, INCLINED])
@@ -88,6 +86,9 @@ def test_sections_begin_and_end_where_the_belt_line_meets_and_leaves_the_pitch_c
     # Two strands are reported as upper and lower; a counterclockwise chain meets the lower first.
     strands = dict(zip(report.strands, report.strand_pitches, strict=True))
     names = list(report.strands)[:: -1 if count == 2 else 1]
+    # Two sprockets have their first seats from the line of centres.
+    line = np.subtract(drive.sprockets[1].center, drive.sprockets[0].center)
+    line_angle = math.atan2(line[1], line[0]) if count == 2 else 0.0
     seat = 0
     for place, sprocket in enumerate(drive.sprockets):
         wrap, strand = sections[2 * place : 2 * place + 2]
@@ -98,7 +99,7 @@ def test_sections_begin_and_end_where_the_belt_line_meets_and_leaves_the_pitch_c
         meeting, leaving = belt.meeting[0, place], belt.leaving[0, place]
         wrapped = sign * (leaving - meeting) % (2 * math.pi) / tooth
         assert wrap.end - wrap.begin == pytest.approx(wrapped)
-        first = report.first_seat_angle[place] + (belt.line_angle if count == 2 else 0.0)
+        first = report.first_seat_angle[place] + line_angle
         on_seat = meeting + sign * (seat - wrap.begin) * tooth
         np.testing.assert_allclose(direction(on_seat), direction(first), atol=1e-9)
         assert abs(wrap.begin - seat) <= 1.0
@@ -156,6 +157,75 @@ def test_sections_are_found_by_number_and_name_and_by_position():
     before = Circuit.of(OUTSIDE_FIRST)
     assert before.sections[0].begin < -0.2
     assert before.names(np.array([77.8, 77.6, 0.0])) == ["sprocket 1", "strand 3-1", "sprocket 1"]
+
+
+def seen(rows, *contacts):
+    """Return the arrays of contacts: row, bushing, sprocket, gap."""
+    wheel, gap = np.zeros((2, rows, 78), np.int32)
+    for row, bushing, number, index in contacts:
+        wheel[row, bushing - 1], gap[row, bushing - 1] = number, index
+    return {"tooth_sprocket": wheel, "tooth_index": gap}
+
+
+def begins(result, rows=slice(None)):
+    """Return how far the sections begin behind those of the initial configuration [pitches]."""
+    found, initial = Circuit.during(result, rows).sections, Circuit.of(THREE).sections
+    return [one.begin - other.begin for one, other in zip(found, initial, strict=True)]
+
+
+def test_a_sprocket_that_lags_behind_the_chain_has_its_wrap_farther_on(run):
+    """Sprocket 2 lags by 0.6 and 0.2 teeth, 3 on the outside leads: means over the rows count."""
+    lag = np.array([[0.0, 5.0, 5.0], [0.0, 0.6, -0.3], [0.0, 0.2, -0.1]])
+    tooth = 2 * math.pi / np.array([17, 25, -13])
+    result = made(run, [3.3, 4.0, 5.0], [0.0, 1.0, 2.0])
+    angle = result.array("sprocket_angle") - lag * tooth
+    result = replace(result, arrays=result.arrays | {"sprocket_angle": angle})
+    found = begins(result, slice(1, 3))
+    # A strand begins where the wrap before it ends.
+    np.testing.assert_allclose(found, [0.0, 0.0, 0.4, 0.4, -0.2, -0.2], atol=1e-9)
+    # A jump of sprocket 2 is a tooth that it turned against the chain, of 3 the other way round.
+    jumps = (np.array([0.5, 0.5]), np.array([2, 3]), np.array([1, 1]))
+    found = begins(replace(result, jumps=jumps), slice(1, 3))
+    np.testing.assert_allclose(found, [0.0, 0.0, 1.4, 1.4, -1.2, -1.2], atol=1e-9)
+
+
+def test_wraps_begin_and_end_with_the_belt_line_at_the_recorded_centres(run):
+    """A sprocket that moves turns the lines beside it."""
+    result = made(run, [3.3, 4.0], [0.0, 1.0])
+    center = result.array("sprocket_center").copy()
+    center[:, 1] += 0.01, 0.03
+    result = replace(result, arrays=result.arrays | {"sprocket_center": center})
+    initial = Belt.around(THREE, run.array("sprocket_center")[:1])
+    belt = Belt.around(THREE, center)
+    per_radian = np.array([17, 25, -13]) / (2 * math.pi)
+    entered = (belt.meeting - initial.meeting).mean(axis=0) * per_radian
+    left = (belt.leaving - initial.leaving).mean(axis=0) * per_radian
+    assert np.abs(entered).max() > 0.3
+    np.testing.assert_allclose(begins(result)[::2], entered, atol=1e-9)
+    np.testing.assert_allclose(begins(result)[1::2], left, atol=1e-9)
+
+
+@pytest.mark.parametrize("gaps", [(0, 0, 0), (0, 1, 0), (0, 0, -2), (3, 1, 1)])
+def test_bushings_in_other_gaps_than_generated_are_found_by_their_contacts(run, gaps):
+    """The chain stands so many gaps ahead on each sprocket; bushing 1 passes the last hinge."""
+    report = THREE.check()
+    turn, teeth = np.array([1, 1, -1]), np.array([17, 25, 13])
+    seats = np.array([0, *np.cumsum(np.add(report.wrap_pitches, report.strand_pitches))[:2]])
+    zero = np.round((np.array(report.first_seat_angle) - report.phase) * teeth / (2 * math.pi))
+    contacts = []
+    # Two rows: the chain has moved on by 0 and by 80 pitches.
+    for row, moved in enumerate((0, 80)):
+        for k in range(3):
+            ahead = 0 if k == 2 else 2  # of the first seat; on the short wrap, the seat itself
+            bushing = (seats[k] + ahead + gaps[k] - moved) % 78 + 1
+            index = (zero[k] + turn[k] * (ahead - moved)) % teeth[k]
+            contacts.append((row, bushing, k + 1, index))
+    result = made(run, [0.0, 80.0], [0.0, 1.0], **seen(2, *contacts))
+    expected = np.repeat(np.array(gaps) - gaps[0], 2)
+    np.testing.assert_allclose(begins(result), expected, atol=1e-9)
+    # Position 0 is the first seat of sprocket 1.
+    moved = Circuit.during(result, slice(None)).moved(result)
+    np.testing.assert_allclose(moved, [-gaps[0], 80.0 - gaps[0]], atol=1e-9)
 
 
 def test_the_tension_is_the_pull_along_the_links_ahead(run):
@@ -255,10 +325,11 @@ def test_the_spectrum_of_a_strand_is_that_of_its_motion(run):
     np.testing.assert_allclose(found["frequency"], frequency)
     np.testing.assert_allclose(found["density"], density, rtol=1e-9, atol=1e-20)
     mean = tension[8:, 1].mean()
-    chain_speed = pitch_radius(17) * np.abs(speed[8:, 0]).mean()
+    teeth_a_second = 17 * np.abs(speed[8:, 0]).mean() / (2 * math.pi)
+    chain_speed = teeth_a_second * PITCH
     assert found.attrs["tension"] == pytest.approx(mean)
     assert found.attrs["speed"] == pytest.approx(chain_speed)
-    assert found.attrs["tooth_frequency"] == pytest.approx(chain_speed / PITCH)
+    assert found.attrs["tooth_frequency"] == pytest.approx(teeth_a_second)
     begin, end = Belt.around(THREE, result.array("sprocket_center")[:1]).strand(1)
     pitches = math.hypot(*(end - begin)[0]) / PITCH
     assert found.attrs["pitches"] == pytest.approx(pitches)

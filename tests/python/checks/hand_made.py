@@ -22,14 +22,15 @@ THREE = rc.chain_drive(
 def made(run, pitches, time, **arrays):
     """Return a result whose chain has moved so many pitches; what is not given is zero.
 
-    A pitch is 2 pi / 17 rad of the first sprocket, from the angle that puts hinge 1 on a seat.
+    A pitch is 2 pi / 17 rad of the first sprocket, from the angle that puts hinge 1 on a seat. The
+    others turn with it, the one on the outside backward.
     """
     rows = len(pitches)
-    turned = run.drive.check().phase[0] + 2 * math.pi / 17 * np.array(pitches)
+    tooth = 2 * math.pi / np.array([17, 25, -13])
     zeros = {
         name: np.zeros((rows, *array.shape[1:]), array.dtype) for name, array in run.arrays.items()
     }
-    angle = np.stack([turned, 17 / 25 * turned, -17 / 13 * turned], axis=-1)
+    angle = np.array(run.drive.check().phase) + np.outer(pitches, tooth)
     center = np.tile(run.array("sprocket_center")[:1], (rows, 1, 1))
     given = {"time": np.array(time), "sprocket_angle": angle, "sprocket_center": center}
     return replace(run, arrays=zeros | given | arrays)
