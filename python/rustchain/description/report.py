@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rustchain import _rustchain
 from rustchain.description.base import plain
+from rustchain.description.plausibility import implausible_inputs
 from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 
@@ -143,6 +144,7 @@ class DriveReport(HtmlView):
         chain = drive.chain
         play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
         values = {name: plain(value) for name, value in found.items()}
+        values["warnings"] += tuple(implausible_inputs(drive))
         return cls(**values, roller_play=play, drive=drive)
 
     def __repr__(self) -> str:
