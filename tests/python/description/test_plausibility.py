@@ -92,3 +92,26 @@ def test_mechanisms_have_the_same_limits():
     mechanism.add_disc_contact("floor", "ground", "ball", 0.1, 0.1, soft)
     (told,) = mechanism.check().warnings
     assert told.startswith("law.material.elastic_modulus of contact 'floor' = 207 Pa: ")
+
+
+def told_at_rest(drive):
+    return [text for text in drive.check().warnings if "no sprocket has a speed" in text]
+
+
+def test_a_drive_that_nothing_moves_is_told():
+    driver, driven = DRIVE.sprockets
+    (told,) = told_at_rest(replace(DRIVE, sprockets=(replace(driver, motion=rc.Free()), driven)))
+    assert "motion=PrescribedSpeed(...)" in told
+
+
+def test_what_is_moved_otherwise_is_not_at_rest():
+    driver, driven = DRIVE.sprockets
+    free = replace(driver, motion=rc.Free())
+    turning = (replace(free, initial_speed=3.0), driven)
+    torque = (free, replace(driven, motion=rc.AppliedTorque(1.0)))
+    for sprockets in (DRIVE.sprockets, turning, torque):
+        assert not told_at_rest(replace(DRIVE, sprockets=sprockets))
+    laden = replace(CHAIN, carried=((3, 0.1),))
+    assert not told_at_rest(replace(DRIVE, chain=laden, sprockets=(free, driven)))
+    hung = (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(1.0))
+    assert not told_at_rest(rc.open_chain("ANSI 40", hung, links=10))
