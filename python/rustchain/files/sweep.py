@@ -156,7 +156,7 @@ class SweepFile:
             With a line for each thing that is wrong: file, line, column, key, value, and what is
             allowed.
         """
-        return _SweepReader(Source.of(path)).sweep(drive)
+        return _SweepReader(Source.of(path, "sweep file")).sweep(drive)
 
     def refusal(self, error: InvalidInput) -> InvalidInput:
         """Return an error of the sweep with the place of the parameter that it names."""

@@ -219,7 +219,9 @@ def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path)
     assert "drive: 'non.toml': is no file" in lines[0]
     (tmp_path / "bad.toml").write_text("[axes]\nrtol = [1e-5]\n")
     assert "'drive' is missing" in rustchain("sweep", "bad.toml").output
-    assert "cannot be read" in rustchain("sweep", "none.toml").output
+    told = rustchain("sweep", "none.toml").output
+    assert "cannot be read" in told
+    assert "give the path of a sweep file" in told
 
 
 @pytest.mark.parametrize(
