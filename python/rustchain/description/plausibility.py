@@ -32,8 +32,10 @@ _DEGREES = "angles are in radians; convert degrees by math.radians"
 _LENGTH = _Range(0.0, 99.0, "m", _MILLIMETRES)
 # That of small moons to four times that of Jupiter.
 _GRAVITY = _Range(0.05, 100.0, "m/s^2", "about 9.81 is usual; give it in m/s^2")
-# Soft rubber to ten times diamond; steel has 207 in GPa and 207e3 in MPa.
-_MODULUS = _Range(1e6, 1e13, "Pa", "steel has 2.07e11; give it in Pa, 1e9 of GPa and 1e6 of MPa")
+# From that of soft rubber; steel has 207 in GPa and 207e3 in MPa.
+_MODULUS = _Range(
+    1e6, math.inf, "Pa", "steel has 2.07e11; give it in Pa, 1e9 of GPa and 1e6 of MPa"
+)
 _DAMPING = _Range(0.0, 1e9, "N s/m", "10 to 1e6 is usual; give it in N s/m")
 _FRICTION = _Range(0.0, 2.0, "", "0.05 to 0.5 is usual; it is friction force over normal force")
 _RANGES = {
