@@ -249,8 +249,8 @@ class Simulation(Present):
             True, the run stops there. It may read everything and set speeds and torques; it must
             not move the simulation. It does not change the steps.
         out : str or Path, optional
-            A netCDF file, with an ending as of `Result.save`, to which the rows are written during
-            the run, for runs of any length; one that is there is replaced when the run begins.
+            A netCDF file to which the rows are written during the run, for runs of any length; one
+            that is there is replaced when the run begins. Endings are those of `Result.save`.
             Complete blocks of 256 rows are written every two seconds, or when `memory` is full.
             `load_result` reads the file at any time, also when the process was killed.
         memory : str or int, optional
