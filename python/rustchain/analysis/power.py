@@ -137,6 +137,13 @@ def efficiency(result: Result, /, after: float = 0.0) -> float:
     InvalidInput
         The part has fewer than two rows, or the chain jumped teeth in it.
     """
+    time = result.time
+    if (left := np.count_nonzero(time >= after)) < 2:
+        msg = (
+            f"after = {after:g}: {left} rows there, a power needs two; the result has "
+            f"{time[0]:g} to {time[-1]:g} s"
+        )
+        raise InvalidInput(msg)
     check_seated(result, "efficiency", after, None)
     return mean_powers(result, after, None).efficiency
 

@@ -48,13 +48,20 @@ def transmission_error(
     Raises
     ------
     InvalidInput
-        The chain jumped teeth of one of them: the error then grows by a gap for each tooth.
+        The two are one sprocket, or the chain jumped teeth of one of them: the error then grows by
+        a gap for each tooth.
     """
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
     check_sprocket(result, driven, "driven")
     check_sprocket(result, driver, "driver")
+    if driven == driver:
+        msg = (
+            f"transmission_error(driven): got {driven}, which is the driver too; expected another "
+            "sprocket"
+        )
+        raise InvalidInput(msg)
     check_seated(result, "transmission_error", start, end, (driven, driver))
     turned, error, radius = angle_error(result, driven, driver, rows)
     order, amplitude = order_spectrum(turned, error)

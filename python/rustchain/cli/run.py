@@ -17,13 +17,11 @@ from rustchain.cli.common import (
     Settings,
     check_file,
     clear_errors,
-    fail,
     make_room,
     scene_file,
 )
 from rustchain.extras import typer
-
-_NETCDF = ("", ".nc", ".nc4", ".cdf", ".h5", ".hdf5")
+from rustchain.results.netcdf import result_path
 
 
 def run(
@@ -141,11 +139,7 @@ def _given(options: dict[str, Any]) -> dict[str, Any]:
 def _check_netcdf(path: Path) -> None:
     """Refuse what is no file of results by its name."""
     check_file(path, "run.nc")
-    if path.suffix.lower() not in _NETCDF:
-        fail(
-            f"out = {path}: results are written as netCDF; take {path.with_suffix('.nc').name} "
-            "(load_result(...).to_pandas() makes tables of it)"
-        )
+    result_path(path, "out")
 
 
 def _tell(result: rc.Result, out: Path, output: Output) -> None:

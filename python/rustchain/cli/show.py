@@ -19,9 +19,8 @@ from rustchain.cli.common import (
     scene_file,
 )
 from rustchain.extras import typer
+from rustchain.results.netcdf import ENDINGS
 from rustchain.simulation.run import GROUPS
-
-_RESULTS = (".nc", ".nc4", ".cdf", ".h5", ".hdf5")
 
 Source = Annotated[
     str,
@@ -131,7 +130,7 @@ def result_of(
     source: str, duration: float | None, settings: list[str] | None, output: Output
 ) -> rc.Result:
     """Return the result in a file, or that of a drive's run with all that can be recorded."""
-    if Path(source).suffix.lower() in _RESULTS:
+    if Path(source).suffix.lower() in ENDINGS[1:]:
         if settings or duration is not None:
             fail(f"{source}: has been run; --set and --duration are for a drive")
         return rc.load_result(source)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import degrees
 from typing import TYPE_CHECKING, TypeAlias
 
 from rustchain import _rustchain
 from rustchain.description.base import plain
+from rustchain.description.plausibility import implausible_inputs
+from rustchain.description.sprocket import Free
 from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 
@@ -143,6 +145,7 @@ class DriveReport(HtmlView):
         chain = drive.chain
         play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
         values = {name: plain(value) for name, value in found.items()}
+        values["warnings"] += (*_at_rest(drive), *implausible_inputs(drive))
         return cls(**values, roller_play=play, drive=drive)
 
     def __repr__(self) -> str:
@@ -229,6 +232,16 @@ class DriveReport(HtmlView):
             _row("plunger: way back [mm]", _scaled(back, 1e3, ".3f")),
             _row("plunger: way out [mm]", _scaled(out, 1e3, ".3f")),
         ]
+
+
+def _at_rest(drive: ChainDrive) -> Iterator[str]:
+    """Tell of a closed chain that nothing moves; weight moves open and laden ones."""
+    moved = any(s.initial_speed or not isinstance(s.motion, Free) for s in drive.sprockets)
+    if drive.ends is None and not drive.chain.carried and not moved:
+        yield (
+            "no sprocket has a speed or a torque: the drive stays where it is; give one "
+            "motion=PrescribedSpeed(...) or AppliedTorque(...)"
+        )
 
 
 def _row(label: str, values: Iterable[object]) -> Row:

@@ -5,8 +5,12 @@ from __future__ import annotations
 from typing import Literal
 
 from rustchain.description.base import Description, description
+from rustchain.errors import InvalidInput
 
 Method = Literal["auto", "pece", "newton"]
+
+_COARSEST = 1e-4  # [m]: a hundred typical penetrations, four typical clearances
+_FINEST = 1e-15  # of relative errors: rounding
 
 
 @description(frozen=True)
@@ -24,17 +28,19 @@ class Solver(Description):
         always "newton".
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
-        them is given, they replace `accuracy`; the other is then 1e-5. `rtol` may be 0.
+        them is given, they replace `accuracy`; the other is then 1e-5. `rtol` is 0, or 1e-15 or
+        more.
     max_step : float
         Largest step [s].
     max_order : int
         Highest order, 1 to 12.
     accuracy : float
-        Error tolerance of a step in lengths [m]. In speeds it is `accuracy` times 1e5/s, in angles
-        the rotation that moves a point at half the pitch by `accuracy` (a sprocket's, at its pitch
-        radius). Links on ideal hinges have half of it, not of `rtol` and `atol`. For comparison:
-        clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at 1e-3 to 1 m/s. A ten
-        times smaller accuracy divides the energy residual by about three with "newton".
+        Error tolerance of a step in lengths [m], at most 1e-4. In speeds it is `accuracy` times
+        1e5/s, in angles the rotation that moves a point at half the pitch by `accuracy` (a
+        sprocket's, at its pitch radius). Links on ideal hinges have half of it, not of `rtol` and
+        `atol`. For comparison: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at
+        1e-3 to 1 m/s. A ten times smaller accuracy divides the energy residual by about three with
+        "newton".
 
     Examples
     --------
@@ -50,3 +56,19 @@ class Solver(Description):
     max_step: float = 1e-4
     max_order: int = 12
     accuracy: float = 1e-10
+
+    def __post_init__(self) -> None:
+        """Check the fields, and refuse tolerances that no run can mean or keep."""
+        super().__post_init__()
+        if self.accuracy > _COARSEST:
+            msg = (
+                f"Solver.accuracy = {self.accuracy:g}: must be at most {_COARSEST:g} m, far above "
+                "clearances and penetrations; the default is 1e-10"
+            )
+            raise InvalidInput(msg)
+        if self.rtol is not None and 0.0 < self.rtol < _FINEST:
+            msg = (
+                f"Solver.rtol = {self.rtol:g}: is below rounding; must be zero, or {_FINEST:g} or "
+                "more"
+            )
+            raise InvalidInput(msg)

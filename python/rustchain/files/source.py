@@ -1,4 +1,4 @@
-"""The text of a drive file: where each key stands in it, so that errors can say so."""
+"""The text of a drive or sweep file: where each key stands in it, so that errors can say so."""
 
 from __future__ import annotations
 
@@ -10,17 +10,20 @@ from typing import Any, TypeAlias
 from rustchain import _rustchain
 from rustchain.errors import InvalidInput
 from rustchain.paths import check_regular, reason, shown_path
+from rustchain.results.superblock import SIGNATURE
 
 Key: TypeAlias = tuple[str | int, ...]
 
 DEEPEST = 32
 """Levels of tables and lists in a file; the deepest that a description has, the points of a tooth's
 pieces, are eight. Readers of JSON and TOML have limits of their own, all larger."""
+_HDF5 = SIGNATURE[:8]
+"""How files of results begin, streamed or not."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """A drive file.
+    """A drive or sweep file.
 
     Attributes
     ----------
@@ -30,14 +33,17 @@ class Source:
         What is in it.
     places : dict
         Line and column of each key and of each item of a list, from 1.
+    kind : str
+        "drive file" or "sweep file", for messages.
     """
 
     path: Path
     content: dict[str, Any]
     places: dict[Key, tuple[int, int]] = field(default_factory=dict)
+    kind: str = "drive file"
 
     @classmethod
-    def of(cls, path: Path) -> Source:
+    def of(cls, path: Path, kind: str = "drive file") -> Source:
         """Read a file."""
         form = "JSON" if path.suffix.lower() == ".json" else "TOML"
         places: dict[Key, tuple[int, int]] = {}
@@ -49,28 +55,30 @@ class Source:
                 content, places = _rustchain.read_toml(text)
         except OSError as error:
             where = shown_path(path)
-            msg = f"{where}: cannot be read ({reason(error)}): give the path of a drive file"
+            msg = f"{where}: cannot be read ({reason(error)}): give the path of a {kind}"
             raise type(error)(msg) from error
         except ValueError as error:  # of the form, of UTF-8, or an integer of too many digits
-            msg = (
-                f"{path}: is no {form} ({error}); expected a drive file as in "
-                "docs/reference/files.md"
-            )
+            msg = f"{path}: is no {form} ({error}); expected a {kind} as in docs/reference/files.md"
+            if _is_result(path):
+                msg = (
+                    f"{path}: is a result file; expected a {kind}; rustchain plot and rustchain "
+                    "report take results"
+                )
             raise InvalidInput(msg) from error
         except RecursionError as error:
-            raise cls(path, {}).too_deep() from error
+            raise cls(path, {}, kind=kind).too_deep() from error
         if not isinstance(content, dict):
-            msg = f"{path}: is no table; expected tables drive or mechanism, simulation and run"
+            msg = f"{path}: is no table; expected a {kind} as in docs/reference/files.md"
             raise InvalidInput(msg)
         if _is_deeper(content, DEEPEST):
-            raise cls(path, {}).too_deep()
-        return cls(path, content, places)
+            raise cls(path, {}, kind=kind).too_deep()
+        return cls(path, content, places, kind)
 
     def too_deep(self) -> InvalidInput:
         """Return the error of tables and lists that are nested without end."""
         return InvalidInput(
-            f"{self.path}: has tables or lists nested more than {DEEPEST} deep; expected a drive "
-            "file as in docs/reference/files.md; close the brackets where a value ends"
+            f"{self.path}: has tables or lists nested more than {DEEPEST} deep; expected a "
+            f"{self.kind} as in docs/reference/files.md; close the brackets where a value ends"
         )
 
     def refusal(self, key: Key, message: str) -> InvalidInput:
@@ -100,6 +108,11 @@ def text_of(path: Path) -> str:
     """Return the text of a regular file, or raise `OSError` or `UnicodeDecodeError`."""
     check_regular(path)
     return path.read_text(encoding="utf-8-sig")
+
+
+def _is_result(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(len(_HDF5)) == _HDF5
 
 
 def _is_deeper(content: object, levels: int) -> bool:

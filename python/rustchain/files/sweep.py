@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,6 +41,18 @@ _OF_SAMPLES = {
     for name, hint in get_type_hints(samples).items()
     if name != "return"
 }
+
+
+_FIGURES = (
+    "tension_upper", "tension_lower", "tension_upper_std", "tension_lower_std",
+    "hinge_contact_share", "hinge_force_p99", "hinge_force_largest", "tooth_force_p99",
+    "tooth_force_largest", "joint_force_p99", "joint_force_largest", "contact_force_p99",
+    "contact_force_largest", "tooth_jumps", "engagement_force_mean", "engagement_force_p95",
+    "transmission_error_2", "ripple_2", "loss", "efficiency",
+)  # fmt: skip
+"""Figures of `Result.summary` with two sprockets."""
+_OF_MORE = re.compile(r"tension_\w+-\w+|(transmission_error|ripple)_([2-9]|[1-9]\d+)")
+"""Figures of further strands and sprockets."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +113,7 @@ def measure_of(given: object, burn_in: float, folder: Path) -> Callable[[Result]
     Raises
     ------
     InvalidInput
-        It names no function, or its file raises when it is read.
+        It names no figure or function, or its file raises when it is read.
     """
     if given is None:
         return Figures((), burn_in)
@@ -124,6 +137,10 @@ def measure_of(given: object, burn_in: float, folder: Path) -> Callable[[Result]
             '["efficiency"], or a function in a file, "measures.py:peak"'
         )
         raise InvalidInput(msg)
+    for each in listed:
+        if each not in _FIGURES and not _OF_MORE.fullmatch(each):
+            msg = f"measure: {shown(each)} is no figure of a summary; {suggest(each, _FIGURES)}"
+            raise InvalidInput(msg)
     return Figures(tuple(listed), burn_in)
 
 
@@ -156,7 +173,7 @@ class SweepFile:
             With a line for each thing that is wrong: file, line, column, key, value, and what is
             allowed.
         """
-        return _SweepReader(Source.of(path)).sweep(drive)
+        return _SweepReader(Source.of(path, "sweep file")).sweep(drive)
 
     def refusal(self, error: InvalidInput) -> InvalidInput:
         """Return an error of the sweep with the place of the parameter that it names."""

@@ -122,8 +122,8 @@ class LoadFigures(Figures):
     ) -> Figure:
         """Draw how the load is distributed along the wrap of sprockets."""
         numbers = (sprocket, *more)
-        figure, cells = panels(len(numbers), "place in the wrap [pitches]", "force [N]", ax=ax)
-        longest = 0.0
+        x = "place in the wrap [pitches]"
+        figure, cells = panels(len(numbers), x, "force [N]", share="y", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             found = self.result.wrap_loads(number, quantiles=_QUANTILES, start=start, end=end)
             position = found["position"].to_numpy()
@@ -134,9 +134,9 @@ class LoadFigures(Figures):
             for place in (0.0, found.attrs["wrap"]):
                 axes.axvline(place, color=GREY, linewidth=0.7)
             axes.set_title(f"sprocket {number}")
-            longest = max(longest, found.attrs["wrap"])
+            axes.set_xlim(-1.0, found.attrs["wrap"] + 1.0)
         legend_outside(cells, "outside upper left", ax)
-        cells[0].set(xlim=(-1.0, longest + 1.0), ylim=(0.0, None))
+        cells[0].set_ylim(0.0, None)
         return figure
 
     @styled

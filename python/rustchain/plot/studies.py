@@ -168,8 +168,15 @@ def draw_map(sweep: SweepResult, measure: str, *, ax: Ax = None) -> Figure:
     Raises
     ------
     InvalidInput
-        There is no such measure, it is no number of each case, or there are fewer axes.
+        There is no such measure, it is no number of each case, there are fewer axes, or the cases
+        are listed.
     """
+    if sweep.axes is None:
+        msg = (
+            "draw_map(sweep): got listed cases; expected those of axes; of a store, call sweep "
+            "with the same axes, measure and store: what is stored is not run again"
+        )
+        raise InvalidInput(msg)
     measured = sweep.to_xarray()
     names = [str(name) for name, values in measured.items() if values.dims == sweep.dims]
     if measure not in names:

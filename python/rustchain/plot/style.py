@@ -145,18 +145,21 @@ def panels(
     x: str,
     y: str,
     size: tuple[float, float] = (4.2, 2.9),
-    share: bool = True,
+    share: bool | Literal["y"] = True,
     ax: Ax = None,
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure of panels side by side, at most three in a row, by default of one scale."""
+    """Return a figure of panels side by side, at most three in a row, by default of one scale.
+
+    With "y" they share the vertical scale alone.
+    """
     columns = min(count, 3) if ax is None else count
     rows = -(-count // columns)
     figure, grid = subplots(
         rows,
         columns,
         ax=ax,
-        sharex=share,
-        sharey=share,
+        sharex=share is True,
+        sharey=bool(share),
         squeeze=False,
         figsize=(size[0] * columns, size[1] * rows),
     )

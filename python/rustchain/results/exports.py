@@ -153,15 +153,18 @@ class Exports:
         Parameters
         ----------
         path : str or Path
-            The file; a symbolic link is followed.
+            The file, ``.nc``, ``.nc4``, ``.cdf``, ``.h5``, ``.hdf5`` or without an ending; a
+            symbolic link is followed.
 
         Raises
         ------
         OSError
             The file cannot be written, or is a directory, a device or a FIFO.
         InvalidInput
-            `path` is no name of a file, such as an open file, or has a NUL character.
+            `path` is no name of a file, such as an open file, has a NUL character, or has the
+            ending of another kind of file.
         """
         from rustchain.results import netcdf  # with hashes and threads, which nothing else needs
 
-        netcdf.write(self.to_xarray(), path)
+        where = netcdf.result_path(path)
+        netcdf.write(self.to_xarray(), where)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy.typing as npt
 
 from rustchain import extras
 from rustchain.errors import InvalidInput
-from rustchain.paths import check_there, shown_path, write_whole
+from rustchain.paths import check_there, path_of, shown_path, write_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +24,23 @@ _Made = TypeVar("_Made")
 
 WRITER = "Result.save or Simulation.run(out=...)"
 """What writes the files of results."""
+
+
+ENDINGS = ("", ".nc", ".nc4", ".cdf", ".h5", ".hdf5")
+"""Endings of the names of files of results."""
+
+
+def result_path(path: object, field: str = "path") -> Path:
+    """Return the path of a file of a result, or refuse the name of another kind of file."""
+    where = path_of(path, field)
+    if where.suffix.lower() not in ENDINGS:
+        msg = (
+            f"{field} = {shown_path(where)}: results are written as netCDF; take "
+            f"{shown_path(where.with_suffix('.nc').name)}; result.to_pandas().to_csv(...) writes "
+            "a table"
+        )
+        raise InvalidInput(msg)
+    return where
 
 
 def write(dataset: xr.Dataset, path: object) -> None:

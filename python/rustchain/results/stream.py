@@ -21,10 +21,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import extras
-from rustchain.paths import new_file, path_of, shown_path, unwritable
+from rustchain.paths import check_writable, new_file, shown_path, unwritable
 from rustchain.results import tables
 from rustchain.results.channels import VARIABLES
-from rustchain.results.netcdf import add_variable
+from rustchain.results.netcdf import add_variable, result_path
 from rustchain.results.stored import END, HEADER, IDENTITY, checksum_of, header_of
 from rustchain.results.superblock import SIZE, end_of
 
@@ -70,7 +70,7 @@ class Stream:
     """
 
     def __init__(self, path: object, result: Result, chunk: int) -> None:
-        self._result, self._chunk, self._path = result, chunk, path_of(path, "out")
+        self._result, self._chunk, self._path = result, chunk, result_path(path, "out")
         self._identity = os.urandom(16).hex()
         self.channels = tuple(result.arrays)
         self._rows, self.largest_residual = 0, 0.0
@@ -140,6 +140,7 @@ class Stream:
     def _open(self) -> None:
         """Make the file with its header, put it in its place, and open it for rows."""
         h5py = extras.h5py
+        check_writable(self._path, "out")  # in words of the system: those of HDF5 are its own
         with new_file(self._path, "out") as (part, self._path):
             self._write_header(part)
         # Without a cache of chunks: closing one that is not written ends the process when the disc

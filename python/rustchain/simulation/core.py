@@ -13,7 +13,7 @@ from rustchain.arguments import plain
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
-from rustchain.description.mechanism.plausibility import implausible_inputs
+from rustchain.description.plausibility import implausible_inputs
 from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput
 from rustchain.typing import Array
@@ -47,10 +47,12 @@ def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
         else:
             core = _rustchain.MechanismCore(_placed(scene.system, place), scene.solver)
         # As described: the angles of a later state may be many turns.
-        for text in (*core.check()["warnings"], *implausible_inputs(scene.system)):
+        for text in (*core.check()["warnings"], *implausible_inputs(scene)):
             warn_caller(text)
         return core
     core = _rustchain.Core(scene, **place)
+    for text in implausible_inputs(scene):
+        warn_caller(text)
     if scene.drive.hinges == "ideal" and place["positions"] is not None:
         _tell_of_changes(scene.drive, core, place)
     return core

@@ -71,7 +71,7 @@ class Simulation(Present):
     RangeWarning
         A contact has left the range of its law.
     UserWarning
-        An input of a mechanism is implausible; see `Mechanism.check`.
+        An input has an implausible size; see `ChainDrive.check` and `Mechanism.check`.
 
     Examples
     --------
@@ -249,10 +249,10 @@ class Simulation(Present):
             True, the run stops there. It may read everything and set speeds and torques; it must
             not move the simulation. It does not change the steps.
         out : str or Path, optional
-            A netCDF file to which the rows are written during the run, for runs of any
-            length; one that is there is replaced when the run begins. Complete blocks of 256 rows
-            are written every two seconds, or when `memory` is full. `load_result` reads the file at
-            any time, also when the process was killed.
+            A netCDF file to which the rows are written during the run, for runs of any length; one
+            that is there is replaced when the run begins. Endings are those of `Result.save`.
+            Complete blocks of 256 rows are written every two seconds, or when `memory` is full.
+            `load_result` reads the file at any time, also when the process was killed.
         memory : str or int, optional
             Of a run with `out`, the most memory that rows take [bytes], such as "256 MB", the
             default, or "1 GiB". Numbers and steps do not depend on it.

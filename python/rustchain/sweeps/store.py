@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import errno
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +27,7 @@ from rustchain.results.files import load_result
 from rustchain.results.result import Result
 from rustchain.results.values import equal
 from rustchain.sweeps.case_run import Case, Looks, Measure, Outcome
-from rustchain.sweeps.cases import Parameters
+from rustchain.sweeps.cases import Axes, Parameters, cases_of
 from rustchain.sweeps.identity import digest_of
 from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
@@ -169,12 +170,21 @@ class Store:
         netcdf.write(data.assign_attrs(case=json.dumps(about)), path)
 
 
+def _axes_of(cases: list[Parameters]) -> Axes | None:
+    """Return the axes whose combinations the ordered cases are; None: they are listed."""
+    axes: Axes = {n: tuple(dict.fromkeys(case.get(n) for case in cases)) for n in cases[0]}
+    if len(axes) < 2 or math.prod(map(len, axes.values())) != len(cases):
+        return None
+    return axes if cases_of(axes)[1] == cases else None
+
+
 @known_keywords
 def load_sweep(store: str | Path) -> SweepResult:
     """Return the cases in the folder that `sweep` had as its store, of all its sweeps.
 
-    Nothing is run. Cases are ordered by their parameters, as those of a list: `to_pandas` makes a
-    table of them. Without a measure, results are read when they are accessed.
+    Nothing is run. Cases are ordered by their parameters. All combinations of two parameters or
+    more have these as their axes, others are listed; `to_pandas` makes a table of both. Without a
+    measure, results are read when they are accessed.
 
     Parameters
     ----------
@@ -248,7 +258,8 @@ def _swept(found: list[tuple[Parameters, Path, bool, Outcome]], measured: bool) 
     """Return the stored cases as the result of a sweep."""
     paths = [path if outcome.error is None else None for _, path, _, outcome in found]
     values: Any = [outcome.value for *_, outcome in found] if measured else StoredResults(paths)
-    swept = SweepResult([case[0] for case in found], None, values, _measured=measured)
+    cases = [case[0] for case in found]
+    swept = SweepResult(cases, _axes_of(cases), values, _measured=measured)
     notes = (swept.law_warnings, swept.energy_warnings, swept.jump_warnings)
     for number, (*_, outcome) in enumerate(found):
         for kind, lines in zip(notes, outcome.notes, strict=True):

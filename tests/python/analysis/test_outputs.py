@@ -365,6 +365,9 @@ def test_summary_takes_what_is_there(run):
         (lambda r: r.between(5.0), "no rows"),
         (lambda r: r.power_balance(start=0.12), "two rows"),
         (lambda r: r.transmission_error(driven=0), "1 to 2"),
+        (lambda r: r.transmission_error(1, 1), r"transmission_error\(driven\): got 1, .* driver"),
+        (lambda r: r.efficiency(after=5.0), "^after = 5: 0 rows there, a power needs two"),
+        (lambda r: r.efficiency(after=0.12), "^after = 0.12: 1 rows there"),
     ],
 )
 def test_bad_requests_name_what_is_allowed(run, ask, words):

@@ -55,7 +55,7 @@ def test_a_mechanism_takes_its_solver_by_keyword_alone():
     mechanism = rc.Mechanism()
     mechanism.add_body("bob", mass=1.0, inertia=0.1)
     mechanism.add_revolute("pivot", "ground", "bob", at=(0.0, 0.1))
-    solver = rc.Solver(method="newton", accuracy=1e-3)
+    solver = rc.Solver(method="newton", accuracy=1e-4)
     assert rc.Simulation(mechanism, solver=solver).solver == solver
     for wrong in (solver, "rubbish"):
         with pytest.raises(rc.InvalidInput, match="force_law"):

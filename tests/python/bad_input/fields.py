@@ -372,7 +372,10 @@ FIELDS = {
     },
     "Solver": {
         "method": word("auto", "pece", "newton"),
-        "rtol": [case for case in not_negative("relative units") if case[0] is not None],
+        "rtol": [
+            *[case for case in not_negative("relative units") if case[0] is not None],
+            (1e-16, "is below rounding; must be zero, or 1e-15 or more"),
+        ],
         "atol": [
             case for case in not_negative("the unit of each component") if case[0] is not None
         ],
@@ -381,7 +384,10 @@ FIELDS = {
             *[(value, "must be a number in s") for value in NO_NUMBER],
         ],
         "max_order": count(1, 12, 0, 13),
-        "accuracy": positive("m"),
+        "accuracy": [
+            *positive("m"),
+            *[(value, "must be at most 0.0001 m") for value in (1.0, 1.1e-4)],
+        ],
     },
     "HingeForceAbove": {"force": positive("N"), "hinge": NUMBER_OR_NONE},
     "ToothForceAbove": {"force": positive("N"), "bushing": NUMBER_OR_NONE},

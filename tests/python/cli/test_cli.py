@@ -164,3 +164,16 @@ def test_the_package_runs_as_a_module_like_the_command():
         [sys.executable, "-m", "rustchain", "--version"], capture_output=True, text=True, check=True
     )
     assert said.stdout == f"rustchain {rc.__version__}\n"
+
+
+@pytest.mark.parametrize(
+    ("command", "kind"),
+    [("run", "drive"), ("check", "drive"), ("fmu", "drive"), ("sweep", "sweep")],
+)
+def test_a_result_in_place_of_a_drive_is_called_so(file, tmp_path, monkeypatch, command, kind):
+    monkeypatch.chdir(tmp_path)
+    rc.load_result(file).save("saved.nc")
+    for result in (file, "saved.nc"):  # streamed and not
+        done = rustchain(command, result)
+        assert done.exit_code == 1
+        assert f"is a result file; expected a {kind} file; rustchain plot" in done.output

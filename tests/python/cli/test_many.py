@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from typer.testing import CliRunner
 import rustchain as rc
 from rustchain.cli.app import app
 from rustchain.files.scene import SceneFile
-from rustchain.files.sweep import SweepFile
+from rustchain.files.sweep import SweepFile, measure_of
 from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
 from rustchain.sweeps.cases import cases_of
 
@@ -200,6 +201,9 @@ def test_failed_cases_are_counted_told_and_repeated_on_demand():
         ('measure = "measures.py:peek"\n[axes]\nrtol=[1]', "has no function 'peek'; did you mean"),
         ('measure = "none.py:peak"\n[axes]\nrtol=[1]', "measure: none.py: cannot be read"),
         ("measure = 3\n[axes]\nrtol=[1]", "measure = 3: expected names of figures"),
+        ('measure = ["tension_upper", "efficiensy"]\n[axes]\nrtol=[1]',
+         "line 2, column 1: measure: 'efficiensy' is no figure of a summary; did you mean "
+         "'efficiency'?"),
         ("burn_in = 1.0", "has no axes, samples or cases; expected one of them"),
         ("[axes]\nrtol=[1]\n[[cases]]\nrtol=1", "cases: stand in place of axes and samples"),
     ],
@@ -212,6 +216,19 @@ def test_a_mistake_in_a_sweep_file_is_told_with_its_place(text, said, tmp_path):
     assert "Traceback" not in done.output
 
 
+def test_each_figure_of_a_summary_is_known_before_a_run():
+    four = [rc.Sprocket(17, center) for center in ((0, 0), (0.3, 0), (0.3, 0.3), (0, 0.3))]
+    four[0] = replace(four[0], motion=rc.PrescribedSpeed(12.0))
+    four[1] = replace(four[1], motion=rc.AppliedTorque(-0.1))
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(1.0))
+    hung = rc.open_chain("ANSI 40", ends, 30, [rc.Sprocket(17, (0.1, 0.1))])
+    drives = [rc.paper_drive(25.0), rc.chain_drive("ANSI 40", four, adjust=3), hung]
+    mechanism = rc.paper_drive().to_mechanism()
+    for system in (*drives, rc.paper_drive(hinges="ideal"), mechanism):
+        names = list(rc.Simulation(system).run(5e-3, progress=False).summary())
+        assert measure_of(names, 0.0, Path()).names == tuple(names)
+
+
 def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path):
     (tmp_path / "bad.toml").write_text('drive = "non.toml"\nmesure = 3\n[axes]\nrtol = 1\n')
     lines = rustchain("sweep", "bad.toml").output.splitlines()
@@ -219,7 +236,9 @@ def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path)
     assert "drive: 'non.toml': is no file" in lines[0]
     (tmp_path / "bad.toml").write_text("[axes]\nrtol = [1e-5]\n")
     assert "'drive' is missing" in rustchain("sweep", "bad.toml").output
-    assert "cannot be read" in rustchain("sweep", "none.toml").output
+    told = rustchain("sweep", "none.toml").output
+    assert "cannot be read" in told
+    assert "give the path of a sweep file" in told
 
 
 @pytest.mark.parametrize(
@@ -267,7 +286,7 @@ def test_a_study_gives_the_statistics_of_python(tmp_path):
     assert re_row("peak", shown.output) is not None
     assert "peak" in xr.load_dataset("study.nc", engine="h5netcdf")
     wrong = rustchain(*arguments, "--measure", "tension_uper")
-    assert wrong.exit_code == 3
+    assert wrong.exit_code == 1
     assert "did you mean 'tension_upper'" in wrong.output
 
 

@@ -228,6 +228,7 @@ def test_values_at_the_ends_of_their_ranges_are_taken():
     rc.Material(poisson_ratio=0.5, restitution=1.0)
     rc.Solver(rtol=0.0, max_step=INF, max_order=1)
     rc.Solver(atol=1e-15, max_order=12)
+    rc.Solver(rtol=1e-15, accuracy=1e-4)
     rc.Tensioner(pretension=0.0, ramp_time=0.0, damping=0.0)
     rc.Sprocket(teeth=5, initial_speed=-1.0)
     rc.Sprocket(teeth=np.int64(1000), mass=np.float32(0.5), center=np.zeros(2))

@@ -84,6 +84,18 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
             lambda m: m.add_driver("motor", "ground", "bar", angle="fast"),
             "joint 'motor': motion = 'fast': .*SmoothStep, Table, Spline or Sines",
         ),
+        (
+            lambda m: m.add_spring("s", "ground", "bar", -1.0, cubic=-1.0),
+            "stiffness of force 's' = -1.0: must be zero or a positive number in N/m, unless cubic",
+        ),
+        (
+            lambda m: m.add_torsion_spring("s", "ground", "bar", stiffness=-1),
+            "stiffness of force 's' = -1: must be zero or a positive number in N m/rad",
+        ),
+        (
+            lambda m: m.add_spring("s", "ground", "bar", 1.0, damping=-1.0),
+            'damping of force "s" = -1: must be zero or a positive number',
+        ),
         (lambda m: m.add_spring("s", "bar", "bar", 1.0), 'bodies of force "s" = "bar" twice'),
         (
             lambda m: m.add_spring("s", "ground", "bar", 1.0, table=[(0, 0), (1, 1)]),
@@ -271,3 +283,9 @@ law = {type = "LinearContact", stiffness = 1e5}
     m.add_body("ball", 1.0, 0.1)
     m.add_disc_contact("touch", "ground", "ball", 0.1, 0.1, rc.LinearContact(1e5))
     assert rc.load_scene(path) == rc.Scene(m)
+
+
+def test_a_snap_spring_has_a_negative_stiffness_and_a_cubic_part():
+    mechanism = held_bar()
+    mechanism.add_spring("snap", "ground", "bar", -1.0, cubic=100.0, point_a=(0.0, 1.0))
+    assert mechanism.check().warnings == []

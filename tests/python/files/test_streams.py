@@ -274,6 +274,9 @@ def test_a_path_that_cannot_be_written_is_refused_before_the_first_step(tmp_path
     ):
         with pytest.raises(error, match=r"out = .*cannot be written") as refused:
             simulation.run(1e-3, out=path, progress=False)
+        told = str(refused.value)
+        assert any(words in told for words in ("(Is a dir", "(No such file", "(Not a dir"))
+        assert ".part" not in told
         assert not hasattr(refused.value, "result")
     for path in (3, b"run.nc", "a\0b", ""):
         with pytest.raises(rc.InvalidInput, match="out"):

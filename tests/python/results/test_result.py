@@ -306,6 +306,20 @@ def test_a_place_that_cannot_be_written_is_told_with_the_remedy(tmp_path, result
         result.save(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["run.csv", "run.xlsx", "run.npz", "run.25"])
+def test_a_name_of_another_kind_of_file_is_refused(tmp_path, result, name):
+    simulation = rc.Simulation(rc.paper_drive())
+    for field, write in (
+        ("path", result.save),
+        ("out", lambda path: simulation.run(1e-4, out=path, progress=False)),
+    ):
+        said = rf"{field} = .*{name}: .* take run\.nc; result\.to_pandas\(\)\.to_csv"
+        with pytest.raises(rc.InvalidInput, match=said):
+            write(tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+    assert simulation.time == 0.0
+
+
 def test_an_array_that_there_is_not_is_told_with_the_argument(result):
     for call in (result.array, result.spectrum):
         with pytest.raises(rc.NotRecorded, match="name = '': there is no such array; known: "):

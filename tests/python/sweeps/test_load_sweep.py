@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+from rustchain.plot import draw_map
 
 SHORT = {"duration": 2e-3, "progress": False}
 AXES = {"pretension": [25, 0, 100], "force_law": [rc.LankaraniNikravesh(), rc.Johnson()]}
@@ -20,7 +21,8 @@ def test_a_store_gives_the_values_of_its_sweep_back(tmp_path):
     found = rc.sweep(rc.paper_drive(), AXES, peak, store=tmp_path, **SHORT)
     again = rc.load_sweep(tmp_path)
     assert again.success
-    assert again.axes is None
+    axes = {"pretension": (0, 25, 100), "force_law": (rc.Johnson(), rc.LankaraniNikravesh())}
+    assert again.axes == axes
     assert len(again.cases) == 6
     for case, value in zip(again.cases, again.values, strict=True):
         number = found.cases.index(case)
@@ -29,7 +31,18 @@ def test_a_store_gives_the_values_of_its_sweep_back(tmp_path):
     table = again.to_pandas()
     assert list(table.columns) == ["pretension", "force_law", "peak", "rows"]
     assert table["peak"].sum() == pytest.approx(found.to_pandas()["peak"].sum(), rel=1e-14)
+    assert again.to_xarray()["peak"].dims == ("pretension", "force_law")
+    assert draw_map(again, "peak").axes[0].get_xlabel() == "pretension [N]"
+
+
+def test_cases_that_are_no_grid_are_listed(tmp_path):
+    cases = [{"pretension": 25, "speed": 10.0}, {"pretension": 0, "speed": 12.0}]
+    rc.sweep(rc.paper_drive(), cases, peak, store=tmp_path, **SHORT)
+    again = rc.load_sweep(tmp_path)
+    assert again.axes is None
     assert again.to_xarray()["peak"].dims == ("case",)
+    with pytest.raises(rc.InvalidInput, match=r"draw_map\(sweep\): got listed cases.*store"):
+        draw_map(again, "peak")
 
 
 def test_a_store_gives_results_back_when_they_are_accessed(tmp_path):

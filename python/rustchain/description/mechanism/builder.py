@@ -13,8 +13,8 @@ from rustchain.description.mechanism.contacts import WithContacts
 from rustchain.description.mechanism.forces import WithForces
 from rustchain.description.mechanism.joints import WithJoints
 from rustchain.description.mechanism.parts import Body, Contact, Force, Joint
-from rustchain.description.mechanism.plausibility import implausible_inputs
 from rustchain.description.mechanism.report import MechanismReport
+from rustchain.description.plausibility import implausible_inputs
 from rustchain.errors import InvalidInput
 from rustchain.html import HtmlView
 from rustchain.names import known_keywords

@@ -6,12 +6,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from rustchain.arguments import shown
+from rustchain.arguments import finite_number, shown
 from rustchain.description.mechanism.checks import Point, one_of
 from rustchain.description.mechanism.checks import point as point_of
 from rustchain.description.mechanism.parts import GROUND, Force, LoadFunction
 from rustchain.description.signals import Curve, Signal
 from rustchain.errors import InvalidInput
+
+
+def _check_stiffness(name: str, stiffness: object, cubic: object, unit: str) -> None:
+    """Refuse a spring that pushes its ends apart without end; a cubic part holds a snap spring."""
+    given, held = finite_number(stiffness), finite_number(cubic)
+    if given is not None and given < 0.0 and not (held is not None and held > 0.0):
+        msg = (
+            f"stiffness of force {shown(name)} = {shown(stiffness)}: must be zero or a positive "
+            f"number in {unit}, unless cubic is positive"
+        )
+        raise InvalidInput(msg)
 
 
 class WithForces:
@@ -131,6 +142,7 @@ class WithForces:
                 "positive number in m"
             )
             raise InvalidInput(msg)
+        _check_stiffness(name, stiffness, cubic, "N/m")
         self.forces = (
             *self.forces,
             Force(
@@ -175,6 +187,7 @@ class WithForces:
         table : sequence of (rotation [rad], torque [N m]), optional
             In place of stiffness and cubic.
         """
+        _check_stiffness(name, stiffness, cubic, "N m/rad")
         self.forces = (
             *self.forces,
             Force(

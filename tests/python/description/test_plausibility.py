@@ -1,0 +1,117 @@
+"""Inputs of drives in another unit than SI are told; `test_mechanism_input` has mechanisms."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+import rustchain as rc
+
+DRIVE = rc.paper_drive(25.0)
+CHAIN = DRIVE.chain
+
+
+def of_chain(**changed):
+    return replace(DRIVE, chain=replace(CHAIN, **changed))
+
+
+def of_load(**changed):
+    driver, driven = DRIVE.sprockets
+    return replace(DRIVE, sprockets=(driver, replace(driven, **changed)))
+
+
+@pytest.mark.parametrize(
+    ("drive", "says"),
+    [
+        (replace(DRIVE, gravity=(0.0, -9810.0)), r"gravity = 9810 m/s\^2: about 9.81 is usual"),
+        (replace(DRIVE, gravity=(0.0, -9.81e-3)), r"gravity = 0.00981 m/s\^2: about 9.81"),
+        (of_chain(material=rc.Material(207.0)), "chain.material.elastic_modulus = 207 Pa: .*GPa"),
+        (of_chain(material=rc.Material(207e3)), "elastic_modulus = 2.07e.05 Pa: .*1e6 of MPa"),
+        (
+            of_chain(link_stiffness=rc.Plates(2e-5, 2e-5, elastic_modulus=206.0)),
+            "chain.link_stiffness.elastic_modulus = 206 Pa",
+        ),
+        (of_chain(inner=rc.Link(8.9, 1e-6)), "chain.inner.mass = 8.9 kg: .* 1e-3 of g"),
+        (
+            replace(DRIVE, tensioner=replace(DRIVE.tensioner, damping=1e12)),
+            r"tensioner.damping = 1e\+12 N s/m: .* give it in N s/m",
+        ),
+        (of_load(load_inertia=1e4), r"load_inertia of sprocket 2 = 1e\+04 kg m\^2: .* of kg mm"),
+        (
+            rc.two_sprocket_drive("ANSI 40", (17, 25), center_distance=250.0),
+            r"center of sprocket 2 = \(250, 0\) m: is 250 m from sprocket 1; .* divide millimetres",
+        ),
+    ],
+)
+def test_inputs_in_another_unit_are_told_with_field_value_and_remedy(drive, says):
+    assert not [text for text in DRIVE.check().warnings if re.search(says, text)]
+    (told,) = [text for text in drive.check().warnings if re.search(says, text)]
+    if len(drive.chain.link_pitches) < 1000:  # more take seconds to simulate
+        with pytest.warns(rc.RustchainWarning) as caught:
+            rc.Simulation(drive)
+        assert told in [str(warning.message) for warning in caught]
+
+
+def test_a_pitch_in_millimetres_is_told():
+    drive = rc.paper_drive(25.0)
+    chain = drive.chain
+    hinge = {n: 1e3 * v for n, v in vars(chain.hinge).items()}
+    large = replace(
+        chain,
+        pitch=1e3 * chain.pitch,
+        hinge=rc.ClearanceHinge(**hinge),
+        bushing_radius=1e3 * chain.bushing_radius,
+        tooth_contact_length=1e3 * chain.tooth_contact_length,
+    )
+    sprockets = [replace(s, center=tuple(1e3 * x for x in s.center)) for s in drive.sprockets]
+    told = replace(drive, chain=large, sprockets=sprockets).check().warnings
+    assert [text for text in told if "chain.pitch = 12.7 m: lengths are in metres" in text]
+    assert [text for text in told if "center of sprocket 2" in text]
+
+
+@pytest.mark.parametrize(
+    ("law", "says"),
+    [
+        (rc.Hertz(friction=rc.Coulomb(3.0)), "force_law.friction.coefficient = 3: .*normal force"),
+        (rc.Hertz(friction=rc.LuGre(5.0, 0.1)), "force_law.friction.static_coefficient = 5: "),
+        (rc.Hertz(film=rc.LubricantFilm(100.0)), "force_law.film.viscosity = 100 Pa s: .*mPa s"),
+        (rc.Linear(stiffness=1e20), r"force_law.stiffness = 1e\+20 N/m: .*give it in N/m"),
+        (rc.Linear(stiffness=1e-3), "force_law.stiffness = 0.001 N/m"),
+    ],
+)
+def test_laws_in_another_unit_are_told_once(law, says):
+    with pytest.warns(rc.RustchainWarning, match=says) as caught:
+        rc.Simulation(DRIVE, force_law=law, hinge_law=law)
+    assert len(caught) == 1
+
+
+def test_mechanisms_have_the_same_limits():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("ball", 1.0, 1e-3, (0.0, 0.3, 0.0))
+    soft = rc.SurfaceContact(rc.Hertz(), material=rc.Material(elastic_modulus=207.0))
+    mechanism.add_disc_contact("floor", "ground", "ball", 0.1, 0.1, soft)
+    (told,) = mechanism.check().warnings
+    assert told.startswith("law.material.elastic_modulus of contact 'floor' = 207 Pa: ")
+
+
+def told_at_rest(drive):
+    return [text for text in drive.check().warnings if "no sprocket has a speed" in text]
+
+
+def test_a_drive_that_nothing_moves_is_told():
+    driver, driven = DRIVE.sprockets
+    (told,) = told_at_rest(replace(DRIVE, sprockets=(replace(driver, motion=rc.Free()), driven)))
+    assert "motion=PrescribedSpeed(...)" in told
+
+
+def test_what_is_moved_otherwise_is_not_at_rest():
+    driver, driven = DRIVE.sprockets
+    free = replace(driver, motion=rc.Free())
+    turning = (replace(free, initial_speed=3.0), driven)
+    torque = (free, replace(driven, motion=rc.AppliedTorque(1.0)))
+    for sprockets in (DRIVE.sprockets, turning, torque):
+        assert not told_at_rest(replace(DRIVE, sprockets=sprockets))
+    laden = replace(CHAIN, carried=((3, 0.1),))
+    assert not told_at_rest(replace(DRIVE, chain=laden, sprockets=(free, driven)))
+    hung = (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(1.0))
+    assert not told_at_rest(rc.open_chain("ANSI 40", hung, links=10))
