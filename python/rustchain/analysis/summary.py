@@ -13,8 +13,8 @@ from rustchain.analysis.power import mean_powers
 from rustchain.analysis.transmission import angle_error, ripple_of
 from rustchain.analysis.window import rows_between
 from rustchain.description.drive import Free
+from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.html import HtmlView
-from rustchain.parts import bushings_of, hinges_of
 from rustchain.typing import Time
 
 if TYPE_CHECKING:

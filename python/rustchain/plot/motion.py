@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rustchain.arguments import shown
+from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.parts import bushings_of, hinges_of
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
