@@ -28,7 +28,7 @@ use crate::integrator::{Adams, SecondOrderSystem, Step};
 pub struct EventCounts {
     /// Contact onsets.
     pub onsets: u64,
-    /// Onsets slower than the minimum impact velocity.
+    /// Onsets at the minimum impact velocity or slower.
     pub onsets_at_floor: u64,
     /// Contacts that began and ended within a step, with an effect below the accuracy.
     pub unseen_touches: u64,

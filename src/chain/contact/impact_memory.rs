@@ -191,7 +191,7 @@ mod tests {
             assert_eq!(memory.roller_inverse_impact_velocity()[3], 1.0 / speed);
             assert_eq!(memory.tooth_impact_velocity[7], speed);
             assert_eq!(memory.tooth_surface[7], Surface::FLAT);
-            let slow = if rate < FLOOR { 3 } else { 0 };
+            let slow = if rate <= FLOOR { 3 } else { 0 };
             let counts = memory.counts();
             assert_eq!((counts.onsets, counts.at_floor), (3, slow));
             memory.end_hinge(2);

@@ -62,6 +62,15 @@ impl ToothForm {
                 why,
             ))
         };
+        if let Some((surface, depth)) = profile.pinch(radius) {
+            return refuse(
+                surface.index(),
+                format!(
+                    "a bushing of radius {radius} m that touches it would be {depth:.3e} m inside another surface: must leave room \
+                     for the bushing"
+                ),
+            );
+        }
         let least = (1.0 + SEAT_ROOM) * radius;
         let is_tight = |curve: &SurfaceCurve| matches!(curve, SurfaceCurve::Concave(arc) if arc.radius < least);
         if let Some(number) = profile
@@ -72,16 +81,7 @@ impl ToothForm {
             return refuse(
                 number,
                 format!(
-                    "its radius must be at least {least} m, for a bushing of radius {radius} m"
-                ),
-            );
-        }
-        if let Some((surface, depth)) = profile.pinch(radius) {
-            return refuse(
-                surface.index(),
-                format!(
-                    "a bushing of radius {radius} m that touches it would be {depth:.3e} m inside another surface: must leave room \
-                     for the bushing"
+                    "its radius must be at least {least:.5e} m, for a bushing of radius {radius} m"
                 ),
             );
         }

@@ -114,9 +114,11 @@ def test_a_polar_load_stands_as_far_out_as_it_is_large():
 
 
 def test_each_sprocket_has_the_range_of_its_own_wrap_and_one_scale_of_forces():
-    figure = RESULT.plot.wrap_loads(1, 2)
-    wraps = [RESULT.wrap_loads(number).attrs["wrap"] for number in (1, 2)]
-    assert wraps[0] != wraps[1]
+    drive = rc.two_sprocket_drive("ANSI 40", teeth=(17, 25), links=60, speed=12.5)
+    result = rc.Simulation(drive).run(5e-3, progress=False)
+    figure = result.plot.wrap_loads(1, 2)
+    wraps = [result.wrap_loads(number).attrs["wrap"] for number in (1, 2)]
+    assert wraps[0] + 1.0 < wraps[1]
     for axes, wrap in zip(figure.axes, wraps, strict=True):
         assert axes.get_xlim() == pytest.approx((-1.0, wrap + 1.0))
     assert figure.axes[0].get_ylim() == figure.axes[1].get_ylim()
