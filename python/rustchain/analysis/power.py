@@ -53,7 +53,8 @@ def power_balance(result: Result, /, *, start: Time = None, end: Time = None) ->
 
     With two motors that turn, or with a moved end, powers are those of the rows. In drives of 3 to
     300 W they were off by up to 2 %. This may be more than the losses. ``other_work`` is then the
-    work of ends, tensioner and guide arms, with the error of the motors.
+    work of ends, tensioner and guide arms, with the error of the motors. Without a motor of
+    prescribed speed it is that work alone.
     """
     from rustchain.extras import xarray as xr
 

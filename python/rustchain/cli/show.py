@@ -130,7 +130,7 @@ def result_of(
     source: str, duration: float | None, settings: list[str] | None, output: Output
 ) -> rc.Result:
     """Return the result in a file, or that of a drive's run with all that can be recorded."""
-    if Path(source).suffix.lower() in ENDINGS[1:]:
+    if Path(source).suffix.lower() in ENDINGS:
         if settings or duration is not None:
             fail(f"{source}: has been run; --set and --duration are for a drive")
         return rc.load_result(source)

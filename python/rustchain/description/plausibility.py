@@ -30,11 +30,13 @@ _MILLIMETRES = "lengths are in metres; divide millimetres by 1000"
 _DEGREES = "angles are in radians; convert degrees by math.radians"
 # Farther than parts of machines are from each other [m]; 0.1 m in millimetres are 100.
 _LENGTH = _Range(0.0, 99.0, "m", _MILLIMETRES)
+# Farther than the sprockets of long conveyors are from each other, in pitches.
+_FARTHEST = 5000.0
 # That of small moons to four times that of Jupiter.
 _GRAVITY = _Range(0.05, 100.0, "m/s^2", "about 9.81 is usual; give it in m/s^2")
 # From that of soft rubber; steel has 207 in GPa and 207e3 in MPa.
 _MODULUS = _Range(
-    1e6, math.inf, "Pa", "steel has 2.07e11; give it in Pa, 1e9 of GPa and 1e6 of MPa"
+    3e5, math.inf, "Pa", "steel has 2.07e11; give it in Pa, 1e9 of GPa and 1e6 of MPa"
 )
 _DAMPING = _Range(0.0, 1e9, "N s/m", "10 to 1e6 is usual; give it in N s/m")
 _FRICTION = _Range(0.0, 2.0, "", "0.05 to 0.5 is usual; it is friction force over normal force")
@@ -58,11 +60,11 @@ _RANGES = {
             {"Coulomb": ("coefficient",), "LuGre": ("static_coefficient", "kinetic_coefficient")},
         ),
         (
-            _Range(1e-5, 20.0, "Pa s", "0.01 to 0.5 is usual; give it in Pa s, 1e-3 of mPa s"),
+            _Range(1e-5, 50.0, "Pa s", "0.01 to 0.5 is usual; give it in Pa s, 1e-3 of mPa s"),
             {"LubricantFilm": ("viscosity",)},
         ),
         (
-            _Range(1e3, 1e13, "N/m", "1e7 to 1e10 is usual; give it in N/m"),
+            _Range(1.0, 1e13, "N/m", "1e7 to 1e10 is usual; give it in N/m"),
             {"Linear": ("stiffness",)},
         ),
     )
@@ -129,7 +131,8 @@ def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
         if getattr(each, name, None) is not None
     ]
     for place, (x, y) in places[1:]:
-        if (far := math.dist((x, y), places[0][1])) > _LENGTH.high:
+        far = math.dist((x, y), places[0][1])
+        if far > max(_LENGTH.high, _FARTHEST * drive.chain.pitch):
             first = places[0][0].partition(" of ")[2]
             yield f"{place} = ({x:.4g}, {y:.4g}) m: is {far:.4g} m from {first}; {_MILLIMETRES}"
     for number, sprocket in enumerate(drive.sprockets, 1):

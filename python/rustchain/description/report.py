@@ -237,10 +237,13 @@ class DriveReport(HtmlView):
 def _at_rest(drive: ChainDrive) -> Iterator[str]:
     """Tell of a closed chain that nothing moves; weight moves open and laden ones."""
     moved = any(s.initial_speed or not isinstance(s.motion, Free) for s in drive.sprockets)
-    if drive.ends is None and not drive.chain.carried and not moved:
+    pressed = drive.tensioner is not None or any(
+        getattr(guide, "arm", None) for guide in drive.guides
+    )
+    if drive.ends is None and not drive.chain.carried and not moved and not pressed:
         yield (
-            "no sprocket has a speed or a torque: the drive stays where it is; give one "
-            "motion=PrescribedSpeed(...) or AppliedTorque(...)"
+            "no sprocket has a speed or a torque: give one motion=PrescribedSpeed(...) or "
+            "AppliedTorque(...), or set a torque during the run"
         )
 
 

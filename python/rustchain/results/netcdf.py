@@ -26,14 +26,20 @@ WRITER = "Result.save or Simulation.run(out=...)"
 """What writes the files of results."""
 
 
-ENDINGS = ("", ".nc", ".nc4", ".cdf", ".h5", ".hdf5")
-"""Endings of the names of files of results."""
+ENDINGS = (".nc", ".nc4", ".cdf", ".h5", ".hdf5")
+"""Usual endings of the names of files of results."""
+
+OTHER_ENDINGS = (
+    *(".csv", ".gif", ".html", ".json", ".mat", ".mp4", ".npy", ".npz", ".parquet", ".pdf"),
+    *(".pkl", ".png", ".svg", ".toml", ".txt", ".xlsx"),
+)
+"""Endings of the names of files of other kinds."""
 
 
 def result_path(path: object, field: str = "path") -> Path:
     """Return the path of a file of a result, or refuse the name of another kind of file."""
     where = path_of(path, field)
-    if where.suffix.lower() not in ENDINGS:
+    if where.suffix.lower() in OTHER_ENDINGS:
         msg = (
             f"{field} = {shown_path(where)}: results are written as netCDF; take "
             f"{shown_path(where.with_suffix('.nc').name)}; result.to_pandas().to_csv(...) writes "

@@ -52,6 +52,11 @@ def test_inputs_in_another_unit_are_told_with_field_value_and_remedy(drive, says
         assert told in [str(warning.message) for warning in caught]
 
 
+def test_a_long_conveyor_is_usual():
+    drive = rc.two_sprocket_drive("ANSI 240", (20, 20), center_distance=150.0)
+    assert not [text for text in drive.check().warnings if "millimetres" in text]
+
+
 def test_a_pitch_in_millimetres_is_told():
     drive = rc.paper_drive(25.0)
     chain = drive.chain
@@ -66,7 +71,6 @@ def test_a_pitch_in_millimetres_is_told():
     sprockets = [replace(s, center=tuple(1e3 * x for x in s.center)) for s in drive.sprockets]
     told = replace(drive, chain=large, sprockets=sprockets).check().warnings
     assert [text for text in told if "chain.pitch = 12.7 m: lengths are in metres" in text]
-    assert [text for text in told if "center of sprocket 2" in text]
 
 
 @pytest.mark.parametrize(
@@ -99,19 +103,22 @@ def told_at_rest(drive):
 
 
 def test_a_drive_that_nothing_moves_is_told():
-    driver, driven = DRIVE.sprockets
-    (told,) = told_at_rest(replace(DRIVE, sprockets=(replace(driver, motion=rc.Free()), driven)))
+    still = rc.paper_drive()
+    driver, driven = still.sprockets
+    (told,) = told_at_rest(replace(still, sprockets=(replace(driver, motion=rc.Free()), driven)))
     assert "motion=PrescribedSpeed(...)" in told
 
 
 def test_what_is_moved_otherwise_is_not_at_rest():
-    driver, driven = DRIVE.sprockets
+    still = rc.paper_drive()
+    driver, driven = still.sprockets
     free = replace(driver, motion=rc.Free())
+    assert not told_at_rest(replace(DRIVE, sprockets=(free, driven)))  # its tensioner moves it
     turning = (replace(free, initial_speed=3.0), driven)
     torque = (free, replace(driven, motion=rc.AppliedTorque(1.0)))
-    for sprockets in (DRIVE.sprockets, turning, torque):
-        assert not told_at_rest(replace(DRIVE, sprockets=sprockets))
+    for sprockets in (still.sprockets, turning, torque):
+        assert not told_at_rest(replace(still, sprockets=sprockets))
     laden = replace(CHAIN, carried=((3, 0.1),))
-    assert not told_at_rest(replace(DRIVE, chain=laden, sprockets=(free, driven)))
+    assert not told_at_rest(replace(still, chain=laden, sprockets=(free, driven)))
     hung = (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(1.0))
     assert not told_at_rest(rc.open_chain("ANSI 40", hung, links=10))

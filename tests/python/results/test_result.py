@@ -306,7 +306,7 @@ def test_a_place_that_cannot_be_written_is_told_with_the_remedy(tmp_path, result
         result.save(tmp_path)
 
 
-@pytest.mark.parametrize("name", ["run.csv", "run.xlsx", "run.npz", "run.25"])
+@pytest.mark.parametrize("name", ["run.csv", "run.xlsx", "run.npz"])
 def test_a_name_of_another_kind_of_file_is_refused(tmp_path, result, name):
     simulation = rc.Simulation(rc.paper_drive())
     for field, write in (
@@ -318,6 +318,11 @@ def test_a_name_of_another_kind_of_file_is_refused(tmp_path, result, name):
             write(tmp_path / name)
     assert list(tmp_path.iterdir()) == []
     assert simulation.time == 0.0
+
+
+def test_a_name_with_a_dot_and_a_number_is_taken(tmp_path, result):
+    result.save(tmp_path / "run_25.5")
+    np.testing.assert_array_equal(rc.load_result(tmp_path / "run_25.5").time, result.time)
 
 
 def test_an_array_that_there_is_not_is_told_with_the_argument(result):
