@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -121,13 +122,21 @@ def check(
         scene = scene.changed({}, {}, {"duration": scene.run.get("duration", 2.0)})
         report = scene.check()
         output.say(report)
-        simulation = scene.simulate()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            simulation = scene.simulate()
+        # Those of the drive are in the report; the others are of force laws.
+        told = [str(each.message) for each in caught]
+        told = [text for text in told if text not in report.warnings]
+        for text in told:
+            output.say(f"warning: {text}")
         scene.check_run(simulation)
         if scene.out is not None:
             _check_netcdf(scene.out)
         bodies, seconds = simulation.body_names, scene.run["duration"]
         output.say(f"ready to run: {len(bodies)} bodies, {seconds:g} s")
         rows = {n: each for n, each in vars(report).items() if n not in ("drive", "mechanism")}
+        rows["warnings"] = [*report.warnings, *told]
         output.document({"report": rows, "bodies": bodies, "duration": seconds})
 
 
