@@ -298,10 +298,10 @@ def test_the_command_in_a_terminal_of_its_own(tmp_path):
 
 
 def test_check_tells_each_warning_once_those_of_laws_too():
-    settings = ("--set", "gravity=[0,-981]", "--set", 'force_law={type="Linear",stiffness=0.1}')
+    settings = ("--set", "gravity=[0,-9810]", "--set", 'force_law={type="Linear",stiffness=0.001}')
     done = rustchain("check", "paper", *settings)
-    assert done.output.count("gravity = 981 m/s^2") == 1
-    assert done.output.count("force_law.stiffness = 0.1 N/m") == 1
+    assert done.output.count("gravity = 9810 m/s^2") == 1
+    assert done.output.count("force_law.stiffness = 0.001 N/m") == 1
     found = json.loads(rustchain("check", "paper", "--json", *settings).stdout)
     assert [text.partition(" = ")[0] for text in found["report"]["warnings"]] == [
         "gravity",

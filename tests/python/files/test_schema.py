@@ -61,6 +61,6 @@ def test_every_key_has_a_description_and_defaults_are_those_of_the_classes(schem
     assert missing == []
     material = schema["$defs"]["Material"]["properties"]
     assert material["restitution"]["default"] == rc.Material().restitution
-    assert "Coefficient of restitution" in material["restitution"]["description"]
+    assert "Restitution coefficient" in material["restitution"]["description"]
     solver = schema["properties"]["simulation"]["properties"]["solver"]
     assert solver["$ref"] == "#/$defs/Solver"

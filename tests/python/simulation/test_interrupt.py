@@ -576,6 +576,8 @@ def test_ctrl_c_while_a_description_is_checked_is_no_error_of_the_description(te
         signal.signal(signal.SIGINT, before)
 
 
+# A run that is interrupted early has dissipated little beside its residual.
+@pytest.mark.filterwarnings("ignore::rustchain.EnergyWarning")
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 @pytest.mark.skipif(not hasattr(signal, "SIGPROF"), reason="no timer of processor time here")
 @pytest.mark.parametrize("operation", [Stepped, Run, Streamed, Started, Files, Swept, Studied])

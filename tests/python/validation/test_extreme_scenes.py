@@ -58,6 +58,7 @@ HOPELESS = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:hinge_law.film.viscosity")
 @pytest.mark.parametrize("scene", HOPELESS)
 def test_a_run_that_would_take_a_billion_steps_ends_with_an_error(scene):
     simulation = HOPELESS[scene]()
