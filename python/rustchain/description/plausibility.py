@@ -32,8 +32,8 @@ _DEGREES = "angles are in radians; convert degrees by math.radians"
 _LENGTH = _Range(0.0, 99.0, "m", _MILLIMETRES)
 # Farther than the sprockets of long conveyors are from each other, in pitches.
 _FARTHEST = 5000.0
-# From that of small moons to that in centrifuges; 9.81 m/s^2 are 9810 mm/s^2.
-_GRAVITY = _Range(0.05, 5000.0, "m/s^2", "about 9.81 is usual; give it in m/s^2")
+# That of small moons to four times that of Jupiter.
+_GRAVITY = _Range(0.05, 100.0, "m/s^2", "about 9.81 is usual; give it in m/s^2")
 # From that of soft rubber; steel has 207 in GPa and 207e3 in MPa.
 _MODULUS = _Range(
     3e5, math.inf, "Pa", "steel has 2.07e11; give it in Pa, 1e9 of GPa and 1e6 of MPa"

@@ -153,8 +153,8 @@ class Exports:
         Parameters
         ----------
         path : str or Path
-            The file, ``.nc``, ``.nc4``, ``.cdf``, ``.h5``, ``.hdf5`` or without an ending; a
-            symbolic link is followed.
+            The file, such as ``run.nc``; a symbolic link is followed. Endings of other kinds
+            of file, such as ``.csv``, are refused.
 
         Raises
         ------

@@ -8,6 +8,9 @@ import pytest
 
 import rustchain as rc
 
+# Loads come from a gravity far above the usual one.
+pytestmark = pytest.mark.filterwarnings("ignore:gravity = ")
+
 DURATION = 1e-3  # [s]
 HERTZ, DAMPED = rc.Hertz(), rc.LankaraniNikravesh()
 FRICTION = rc.Hertz(friction=rc.Coulomb(0.1, speed=1.0))  # tanh of the sliding velocity: smooth
