@@ -31,7 +31,7 @@ NUMBERS = PAGE.with_suffix(".json")
 PRETENSIONS = (25.0, 100.0)  # [N]
 RAMP, LEAD, DURATION = 0.02, 0.04, 0.1  # of the tensioner's force, before the time counts [s]
 ROUNDS = 9
-COUNTS = ("steps", "rejected", "evaluations", "meter_evaluations")
+COUNTS = ("steps", "rejected", "evaluations", "energy_evaluations")
 DAMPING = "lankarani-nikravesh"
 ALL_ROWS, TWO_ROWS = "rows: default groups, to a file", "default groups, to a file, 2 rows"
 
@@ -330,7 +330,7 @@ def feature_cells(one: dict[str, object], base: dict[str, object], duration: flo
         f"{spent / count:.2f}",
         f"{1e-6 * one['steps'] / duration:.3g}",
         f"{one['evaluations'] / one['steps']:.2f}",
-        f"{one['meter_evaluations'] / one['steps']:.2f}",
+        f"{one['energy_evaluations'] / one['steps']:.2f}",
         f"{one['rejected'] / (one['steps'] + one['rejected']):.1%}",
         f"{1e6 * one['time'] / one['steps']:.3g}",
     )

@@ -83,12 +83,12 @@ class RightHandSide:
     bearings.
     """
 
-    def __init__(self, drive, floor=1e-3):
+    def __init__(self, drive, minimum=1e-3):
         chain = drive.chain
         self.links = n = chain.links
         self.half_pitch = 0.5 * chain.pitch
         self.clearance = chain.hinge.bore_radius - chain.hinge.pin_radius
-        self.floor = floor
+        self.minimum = minimum
         material = chain.material
         self.factor = 0.75 * (1.0 - material.restitution**2)
         modulus = material.elastic_modulus / (2.0 * (1.0 - material.poisson_ratio**2))
@@ -141,9 +141,9 @@ class RightHandSide:
         return out
 
     def normal_force(self, stiffness, depth, rate):
-        """Force [N] of contacts without memory: the rate, not below the floor, is the onset's."""
+        """Force [N] of contacts without memory: the rate, not below the minimum, is the onset's."""
         depth = np.maximum(depth, 0.0)
-        damping = 1.0 + self.factor * rate / np.maximum(rate, self.floor)
+        damping = 1.0 + self.factor * rate / np.maximum(rate, self.minimum)
         return stiffness * depth * np.sqrt(depth) * np.maximum(damping, 0.0)
 
     def tooth_forces(self, arm, bushing_v, angle, v):

@@ -37,7 +37,7 @@ class Scene:
     name: str
     drive: rc.ChainDrive
     law: rc.ForceLaw = _LAW
-    floor: float = 1e-3
+    min_impact_velocity: float = 1e-3
 
 
 def restitution(drive: rc.ChainDrive, value: float) -> rc.ChainDrive:
@@ -75,10 +75,10 @@ def scenes(duration: float) -> list[Scene]:
             found.append(
                 Scene(f"restitution {e}, {n} N", restitution(drive(pretension=n or None), e))
             )
-    for floor in (1e-5, 1e-4, 1e-2, 1e-1):
+    for minimum in (1e-5, 1e-4, 1e-2, 1e-1):
         for n in (0, 25, 100):
-            name = f"floor {floor:g} m/s, {n} N"
-            found.append(Scene(name, drive(pretension=n or None), floor=floor))
+            name = f"minimum impact velocity {minimum:g} m/s, {n} N"
+            found.append(Scene(name, drive(pretension=n or None), min_impact_velocity=minimum))
     for c in (5e-6, 100e-6, 500e-6):
         for n in (0, 25):
             found.append(Scene(f"clearance {c * 1e6:g} um, {n} N", clearance(c, n or None)))
@@ -153,7 +153,7 @@ def run(scene: Scene, solver: rc.Solver, duration: float) -> Outcome:
         warnings.simplefilter("ignore")
         try:
             simulation = rc.Simulation(
-                scene.drive, scene.law, min_impact_velocity=scene.floor, solver=solver
+                scene.drive, scene.law, min_impact_velocity=scene.min_impact_velocity, solver=solver
             )
             result = simulation.run(duration, report_step=1e-3, record=("energy",), progress=False)
         except rc.SimulationError as error:

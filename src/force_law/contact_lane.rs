@@ -10,7 +10,7 @@ pub(crate) struct RestitutionDamping<R> {
     /// λ of the damping factor 1 + λ δ'/δ'₀.
     pub(crate) lambda: R,
     /// Minimum impact velocity, the lower bound on δ'₀ of contacts without an impact velocity memory \[m/s\].
-    pub(crate) floor: R,
+    pub(crate) minimum: R,
 }
 
 /// Normal forces of contacts, with what their slopes and powers need.
@@ -46,7 +46,7 @@ impl<R: Real> ContactLane<R> {
     }
 
     /// Return contacts with the penetration rate `rate` δ' \[m/s\]. `memory` is 1/δ'₀ of each contact \[s/m\], zero for a contact without
-    /// one; its impact velocity is then the present rate, at least `floor`.
+    /// one; its impact velocity is then the present rate, at least `minimum`.
     #[inline(always)]
     pub(crate) fn damped(
         elastic: R,
@@ -60,7 +60,7 @@ impl<R: Real> ContactLane<R> {
         let mut inverse_impact_velocity = memory;
         // Vectors of contacts with a memory, the common case, skip the division.
         if touching.and(remembered.not()).any() {
-            inverse_impact_velocity = remembered.select(memory, one / damping.floor.max(rate));
+            inverse_impact_velocity = remembered.select(memory, one / damping.minimum.max(rate));
         }
         let factor = factor(damping.lambda, rate, inverse_impact_velocity);
         Self {
@@ -93,8 +93,8 @@ impl<R: Real> ContactLane<R> {
             return [stiffness, zero];
         };
         // Without a memory and above the minimum impact velocity, δ'₀ = δ' makes the factor the constant 1 + λ.
-        let RestitutionDamping { lambda, floor } = damped.damping;
-        let fresh_and_fast = damped.remembered.not().and(damped.rate.greater(floor));
+        let RestitutionDamping { lambda, minimum } = damped.damping;
+        let fresh_and_fast = damped.remembered.not().and(damped.rate.greater(minimum));
         let constant = fresh_and_fast.or(damped.factor.greater(zero).not());
         let slope = self.elastic * lambda * damped.inverse_impact_velocity;
         [stiffness * damped.factor, constant.select(zero, slope)]
@@ -121,7 +121,7 @@ mod tests {
 
     const DAMPING: RestitutionDamping<f64> = RestitutionDamping {
         lambda: 0.4,
-        floor: 1e-3,
+        minimum: 1e-3,
     };
 
     /// A contact with f = 1e8 δ.
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_contact_without_memory_has_the_factor_of_its_present_rate_or_of_the_minimum() {
-        // 100 N (1 + λ), then 100 N (1 + λ δ'/floor), then separation at a rate of -2 floor.
+        // 100 N (1 + λ), then 100 N (1 + λ δ'/minimum), then separation at a rate of -2 minimum.
         for (rate, force) in [(0.04, 140.0), (2e-4, 108.0), (-2e-3, 20.0)] {
             assert!((at(1e-6, rate, 0.0).force - force).abs() < 1e-11, "{rate}");
         }

@@ -3,6 +3,7 @@
 use super::adams::Adams;
 use super::corrector_switching::STEPS_PER_CHECK;
 use super::order_control::{ErrorEstimate, SAFE_ERROR, choose_order, choose_step, gamma_star};
+use super::stability::explicit_limit;
 use super::step::{Step, StepFailure};
 use super::{Corrector, OdeSystem, SecondOrderSystem};
 
@@ -15,6 +16,9 @@ const REJECTED: f64 = 0.5;
 ///
 /// The value of DE/STEP: repeated failures show a discontinuity, at which a higher order gains nothing.
 pub(super) const FAILURES_TO_ORDER_ONE: u32 = 3;
+
+/// Difference of the two derivatives of a first step, times its size, over the tolerance, that is tolerated at any step size.
+const NEGLIGIBLE_AT_START: f64 = 1e-3;
 
 impl Adams {
     /// Make one step of any system with the explicit corrector.
@@ -46,7 +50,8 @@ impl Adams {
     fn step_with_weights(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
         let controlled = system.controlled();
         self.check_tolerances(controlled)?;
-        if self.starting {
+        let first = self.starting;
+        if first {
             self.start(system);
         }
         let begin = self.time;
@@ -60,7 +65,7 @@ impl Adams {
             self.counts.evaluations += 1;
             let estimate =
                 (self.history).estimate_and_correct(set, &self.next, &self.norm, &mut self.vectors);
-            if estimate.accepts() {
+            if estimate.accepts() && (!first || self.is_stable_at_start(system)) {
                 // The system may still find an event that both ends of the step do not show.
                 if system.accepts_step(self.next.size, self.allowed()) {
                     break estimate;
@@ -79,6 +84,33 @@ impl Adams {
             end: self.time,
             order: self.history.last_order,
         })
+    }
+
+    /// Return whether the derivative at the corrected value of a first step agrees with that at its predicted value.
+    ///
+    /// The error estimate of a first step is that of its prediction. At rest it is small at any step size, also far beyond the limit of
+    /// stability. Without history nothing else shows the fastest rate.
+    fn is_stable_at_start(&mut self, system: &mut impl OdeSystem) -> bool {
+        if self.history.differences.compensates() {
+            return true; // the corrected value is not written yet
+        }
+        let (n, h) = (self.vectors.dimension, self.next.size);
+        let vectors = &mut self.vectors;
+        let change = &mut vectors.residual[..n];
+        system.derivative(self.time + h, &vectors.trial[..n], change);
+        self.counts.evaluations += 1;
+        for (change, at_prediction) in change.iter_mut().zip(&vectors.derivative[..n]) {
+            *change = h * (*change - at_prediction);
+        }
+        let change = self.norm_of(&self.vectors.residual);
+        let vectors = &mut self.vectors;
+        let ends = vectors.trial[..n].iter().zip(&vectors.predicted[..n]);
+        for (moved, (corrected, predicted)) in vectors.residual.iter_mut().zip(ends) {
+            *moved = corrected - predicted;
+        }
+        let moved = self.norm_of(&self.vectors.residual);
+        // h |Δf|/|Δy| is the step size times the fastest rate. Below the first bound it may be rounding.
+        change <= NEGLIGIBLE_AT_START || change <= explicit_limit(1) * moved
     }
 
     /// Undo a rejected step and reduce its size; from the third failure on use order one (block 3 of STEP).
@@ -198,7 +230,8 @@ mod tests {
             adams.step(&mut Riccati).unwrap();
         }
         let counts = adams.counts();
-        assert_eq!(counts.evaluations, 1 + 2 * counts.steps + counts.rejected);
+        // One at the start, and one that tests the first step.
+        assert_eq!(counts.evaluations, 2 + 2 * counts.steps + counts.rejected);
         assert!(counts.rejected > 0);
     }
 
@@ -262,6 +295,36 @@ mod tests {
         adams.restart(0.0, &[1.0]);
         let failure = adams.step(&mut Riccati).unwrap_err();
         assert!(matches!(failure, StepFailure::ToleranceTooSmall { factor, .. } if factor > 1.0));
+    }
+
+    /// y' = -1e6 y from nearly nothing: at any step size the error estimate of the first step is below the tolerance.
+    struct AlmostAtRest;
+
+    impl OdeSystem for AlmostAtRest {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+            dydt[0] = 1e-3 - 1e6 * y[0];
+        }
+    }
+
+    #[test]
+    fn a_first_step_beyond_the_limit_of_stability_is_rejected() {
+        let control = StepControl {
+            max_step: 1e-4,
+            ..control(1e-4)
+        };
+        let mut adams = Adams::new(1, control);
+        adams.restart(0.0, &[0.0]);
+        let step = adams.step(&mut AlmostAtRest).unwrap();
+        assert!(adams.counts().rejected > 3);
+        assert!(step.end - step.start < 1e-6, "{step:?}");
+        // y tends to 1e-9.
+        for part in [0.0, 0.3, 0.7, 1.0] {
+            let inside = adams.dense(part * step.end).value(0);
+            assert!((-1e-10..1e-8).contains(&inside), "{inside:e}");
+        }
     }
 
     /// An integrator without past behind a step of this order and a size of 1 s.

@@ -63,8 +63,8 @@ impl<'a> Around<'a> {
         WheelSequence::new(chain.mean_pitch(), chain.links, wheels).ok()
     }
 
-    /// Return the strands in the order in which they are tried for the slack: the largest outward component of gravity first; without
-    /// gravity, the strand that leaves the driver.
+    /// Return the strands in the order in which they are tried for the slack: the largest outward component of gravity first; of
+    /// equal ones, as without gravity, the first from the strand that leaves the driver on.
     pub(super) fn slack_strands(&self) -> Vec<usize> {
         let n = self.line.order.len();
         let driver = (0..n)
@@ -75,12 +75,16 @@ impl<'a> Around<'a> {
             * self.drive.sprockets[driver].side.sign()
             >= 0.0;
         let leaving = if forward { place } else { (place + n - 1) % n };
-        let gravity = self.drive.gravity;
+        let (gravity, spans) = (self.drive.gravity, &self.line.belt.spans);
+        let longest = spans
+            .iter()
+            .fold(0.0, |most: f64, span| most.max(span.length));
+        // In whole numbers of what rounding may change: equal components remain in the order of the chain.
+        let least = LEAST_GRAVITY_ACROSS * gravity.norm() * longest;
         let outward = |i: usize| {
-            let span = &self.line.belt.spans[i];
-            let pull = gravity.dot(&-turned_left(span.direction)) * span.length;
-            if pull.abs() > LEAST_GRAVITY_ACROSS * gravity.norm() * span.length {
-                pull
+            let pull = gravity.dot(&-turned_left(spans[i].direction)) * spans[i].length;
+            if least > 0.0 {
+                (pull / least).round()
             } else {
                 0.0
             }

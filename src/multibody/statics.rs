@@ -11,6 +11,9 @@ use super::step::ITERATIONS;
 use crate::error::{Error, Result, check};
 use crate::math::Signal;
 
+/// Difference of two positions over their size, or 1 m or 1 rad where that is more, below which they are the same but for rounding.
+const SAME_PLACE: f64 = 1e-9;
+
 impl MechanismModel {
     /// Return whether a contact or pin has friction, or a contact a lubricant film, which a model at rest leaves out.
     pub(crate) fn has_friction(&self) -> bool {
@@ -47,7 +50,7 @@ impl MechanismModel {
     /// described positions.
     ///
     /// # Errors
-    /// If there is not one row for each body.
+    /// If there is not one row for each body, or the position of a fixed body is not the described one.
     pub(crate) fn placed(
         mut self,
         positions: &[[f64; 3]],
@@ -59,6 +62,14 @@ impl MechanismModel {
         }
         let rows = positions.iter().zip(velocities);
         for (body, (position, velocity)) in self.bodies[1..].iter_mut().zip(rows) {
+            let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_PLACE * (1.0 + b.abs());
+            if body.fixed && !position.iter().zip(&body.position).all(same) {
+                return Err(Error::invalid(
+                    format!("positions of {:?}", body.name),
+                    format!("{position:?}"),
+                    format!("must be {:?}, where the body is fixed", body.position),
+                ));
+            }
             (body.position, body.velocity) = (*position, *velocity);
         }
         Ok(self)

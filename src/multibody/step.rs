@@ -180,12 +180,12 @@ impl MechanismDynamics {
 
     /// Reset the bristles of contacts that have ended, so they start undeflected at the next onset. They exert no force. The history
     /// of their components becomes zero as well, so the integrator continues without a restart.
-    pub(super) fn unbend_parted(&self, adams: &mut Adams) {
+    pub(super) fn reset_bristles_of_ended_contacts(&self, adams: &mut Adams) {
         if self.model.bristles == 0 {
             return;
         }
         let (first, unknowns) = (self.model.coordinates(), self.model.unknowns());
-        for bristle in self.contacts.parted_bristles(&self.model) {
+        for bristle in self.contacts.bristles_of_ended_contacts(&self.model) {
             adams.reset_component(first + bristle);
             adams.reset_component(unknowns + first + bristle);
         }

@@ -79,7 +79,7 @@ impl System for MechanismDynamics {
     }
 
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
-        self.unbend_parted(adams);
+        self.reset_bristles_of_ended_contacts(adams);
         let motion = StepMotion {
             model: &self.model,
             frames: &self.frames,
@@ -119,7 +119,7 @@ impl System for MechanismDynamics {
     fn event_counts(&self) -> EventCounts {
         EventCounts {
             onsets: self.onsets.numbers.all,
-            onsets_at_floor: self.onsets.numbers.at_floor,
+            onsets_at_minimum_velocity: self.onsets.numbers.at_minimum,
             ..EventCounts::default()
         }
     }
@@ -246,7 +246,7 @@ mod tests {
         let dynamics = MechanismDynamics::new(model);
         // No quadrature evaluates the right-hand side, and no energy is left out.
         assert!(dynamics.keeps_energy());
-        assert_eq!(dynamics.meter_evaluations(), 0);
+        assert_eq!(dynamics.energy_evaluations(), 0);
         assert_eq!(dynamics.prescribed_energy(), 0.0);
         // m v²/2 of the body at any speed.
         assert_eq!(dynamics.kinetic_energy_at(3.0), 9.0);

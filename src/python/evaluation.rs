@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::arrays::{recorded, table};
+use crate::chain::contact::ContactId;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::Model;
 use crate::multibody::Assembly;
@@ -27,7 +28,14 @@ pub(super) fn set_contact_memory(
     state: &Bound<'_, PyDict>,
 ) -> PyResult<()> {
     let model = dynamics.model();
-    let (memory, parted) = (&dynamics.memory, dynamics.parted());
+    let memory = &dynamics.memory;
+    let ended = |number: fn(ContactId) -> Option<usize>| {
+        let ended = dynamics.ended_contacts().iter().copied();
+        ended
+            .filter_map(number)
+            .collect::<Vec<_>>()
+            .into_pyarray(py)
+    };
     let shape = [model.links, model.sprockets.len()];
     let hinges = memory.hinge_impact_velocity().to_vec();
     state.set_item("hinge_onset_speed", hinges.into_pyarray(py))?;
@@ -40,11 +48,22 @@ pub(super) fn set_contact_memory(
     if model.rollers.is_some() {
         let speeds = memory.roller_impact_velocity().to_vec();
         state.set_item("roller_onset_speed", speeds.into_pyarray(py))?;
-        let parted = dynamics.parted_rollers();
-        state.set_item("parted_rollers", parted.into_pyarray(py))?;
+        let ended = ended(|contact| match contact {
+            ContactId::Roller(k) => Some(k),
+            _ => None,
+        });
+        state.set_item("ended_rollers", ended)?;
     }
-    state.set_item("parted_hinges", parted.0.into_pyarray(py))?;
-    state.set_item("parted_tooth_pairs", parted.1.into_pyarray(py))?;
+    let hinges = ended(|contact| match contact {
+        ContactId::Hinge(k) => Some(k),
+        _ => None,
+    });
+    state.set_item("ended_hinges", hinges)?;
+    let pairs = ended(|contact| match contact {
+        ContactId::Tooth(pair) => Some(pair),
+        _ => None,
+    });
+    state.set_item("ended_tooth_pairs", pairs)?;
     Ok(())
 }
 
@@ -57,11 +76,14 @@ pub(super) fn statistics<'py>(
     stats.set_item("steps", statistics.counts.steps)?;
     stats.set_item("rejected", statistics.counts.rejected)?;
     stats.set_item("evaluations", statistics.counts.evaluations)?;
-    stats.set_item("meter_evaluations", statistics.meter_evaluations)?;
+    stats.set_item("energy_evaluations", statistics.energy_evaluations)?;
     stats.set_item("jacobians", statistics.counts.jacobians)?;
     stats.set_item("onsets", statistics.onsets)?;
-    stats.set_item("onsets_at_floor", statistics.onsets_at_floor)?;
-    stats.set_item("unseen_touches", statistics.unseen_touches)?;
+    stats.set_item(
+        "onsets_at_minimum_velocity",
+        statistics.onsets_at_minimum_velocity,
+    )?;
+    stats.set_item("in_step_contacts", statistics.in_step_contacts)?;
     stats.set_item("wall_stepping", statistics.wall_stepping)?;
     stats.set_item("wall_onsets", statistics.wall_onsets)?;
     stats.set_item("wall_reports", statistics.wall_reports)?;
@@ -108,7 +130,10 @@ pub(super) fn drive_evaluation<'py>(
 fn put_joints(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
     let py = found.py();
     let hinges = &dynamics.evaluated.hinges;
-    found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
+    found.set_item(
+        "hinge_force",
+        hinges.recorded_forces().to_vec().into_pyarray(py),
+    )?;
     let depths = if dynamics.model().hinges.ideal {
         hinges.distances().collect()
     } else {

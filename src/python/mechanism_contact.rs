@@ -55,7 +55,7 @@ pub(super) fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
     })
 }
 
-/// Read pieces (from x, from y, to x, to y, centre x, centre y, whether convex); the centre of a straight line is NaN.
+/// Read pieces (from x, from y, to x, to y, centre x, centre y, 1 where convex, -1 where concave, 0 where straight).
 fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
     let rows: Vec<[f64; 7]> = value
         .extract()
@@ -65,7 +65,7 @@ fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
         .map(|[fx, fy, tx, ty, cx, cy, convex]| Piece {
             from: Vec2::new(fx, fy),
             to: Vec2::new(tx, ty),
-            center: (!cx.is_nan()).then_some(Vec2::new(cx, cy)),
+            center: (convex != 0.0).then_some(Vec2::new(cx, cy)),
             convex: convex > 0.0,
         })
         .collect())

@@ -39,13 +39,13 @@ pub struct Statistics {
     /// Steps, rejected steps, evaluations.
     pub counts: Counts,
     /// Evaluations by the energy quadrature, which the counts do not include.
-    pub meter_evaluations: u64,
+    pub energy_evaluations: u64,
     /// Contact onsets.
     pub onsets: u64,
     /// Onsets slower than the minimum impact velocity.
-    pub onsets_at_floor: u64,
+    pub onsets_at_minimum_velocity: u64,
     /// Contacts that began and ended within a step with an effect below the accuracy, and were not located.
-    pub unseen_touches: u64,
+    pub in_step_contacts: u64,
     /// Wall time in steps \[s\], estimated from timed steps, one of 16.
     pub wall_stepping: f64,
     /// Wall time in event location and energy quadrature \[s\], estimated likewise.
@@ -109,10 +109,10 @@ impl<S: System> Simulation<S> {
         let [wall_stepping, wall_onsets] = self.wall.steps();
         Statistics {
             counts: self.adams.counts(),
-            meter_evaluations: self.system.meter_evaluations(),
+            energy_evaluations: self.system.energy_evaluations(),
             onsets: events.onsets,
-            onsets_at_floor: events.onsets_at_floor,
-            unseen_touches: events.unseen_touches,
+            onsets_at_minimum_velocity: events.onsets_at_minimum_velocity,
+            in_step_contacts: events.in_step_contacts,
             wall_stepping,
             wall_onsets,
             wall_reports: self.wall.reports.as_secs_f64(),

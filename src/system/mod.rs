@@ -29,9 +29,9 @@ pub struct EventCounts {
     /// Contact onsets.
     pub onsets: u64,
     /// Onsets at the minimum impact velocity or slower.
-    pub onsets_at_floor: u64,
+    pub onsets_at_minimum_velocity: u64,
     /// Contacts that began and ended within a step, with an effect below the accuracy.
-    pub unseen_touches: u64,
+    pub in_step_contacts: u64,
 }
 
 /// Property compared between a state and the simulation that it is set in.
@@ -120,7 +120,7 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     fn sums_at(&self, t: f64) -> Self::Powers;
 
     /// Return the number of evaluations of the right-hand side by the energy quadrature.
-    fn meter_evaluations(&self) -> u64 {
+    fn energy_evaluations(&self) -> u64 {
         0
     }
 

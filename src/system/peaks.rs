@@ -73,13 +73,19 @@ impl Peaks {
         self.interval.include(t, &self.arriving);
     }
 
-    /// End an interval with the forces of a report at `t`; return largest forces and impulses, which are zero at the `first` report.
+    /// End an interval with the forces of a report at `t`; return largest forces and impulses. At the `first` report these are the forces
+    /// there, and zero.
     pub(crate) fn close(&mut self, t: f64, forces: &[f64], first: bool) -> [&[f64]; 2] {
         self.reported[..self.contacts].copy_from_slice(forces);
         self.interval.include(t, &self.reported);
-        let Interval { force, impulse, .. } = &mut self.interval;
+        let Interval {
+            last,
+            force,
+            impulse,
+            ..
+        } = &mut self.interval;
         if first {
-            force.fill(0.0);
+            force.copy_from_slice(last);
             impulse.fill(0.0);
         }
         [&force[..self.contacts], &impulse[..self.contacts]]
@@ -147,7 +153,7 @@ mod tests {
             peaks.begin_interval();
             (largest, impulse)
         };
-        assert_eq!(close(&mut peaks, 1.0, 3.0, true), (0.0, 0.0));
+        assert_eq!(close(&mut peaks, 1.0, 3.0, true), (3.0, 0.0));
         for (t, force) in [(1.5, 5.0), (2.0, 1.0)] {
             peaks.arriving()[0] = force;
             peaks.arrive(t);

@@ -9,6 +9,7 @@ use crate::common::{control, paper_drive, roller_drive, tensioner};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
+use rustchain::chain::contact::ContactId;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{Bearing, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, Regions};
@@ -90,7 +91,7 @@ fn run(scene: &Scene, tolerance: f64, end: f64) -> Met {
 
 /// Pairs in contact have a memory, and pairs apart have one only until the next step begins.
 fn assert_memory_is_that_of_contacts(dynamics: &Dynamics) {
-    let (_, parted) = dynamics.parted();
+    let ended = dynamics.ended_contacts();
     for (pair, &speed) in dynamics.memory.tooth_impact_velocity.iter().enumerate() {
         let depth = dynamics.evaluated.teeth.penetration[pair];
         if depth > ROUNDING {
@@ -98,7 +99,7 @@ fn assert_memory_is_that_of_contacts(dynamics: &Dynamics) {
         }
         if depth < -ROUNDING && speed > 0.0 {
             assert!(
-                parted.contains(&pair),
+                ended.contains(&ContactId::Tooth(pair)),
                 "pair {pair} at {depth:e} m remembers"
             );
         }

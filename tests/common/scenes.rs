@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use rustchain::chain::contact::ContactId;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::chain::motion::Motion as Motions;
 use rustchain::drive::{
@@ -192,7 +193,7 @@ impl Scene {
         let n = self.model.links;
         for k in 0..n {
             if noise.share() < share {
-                dynamics.memory.begin_hinge(k, noise.share());
+                dynamics.memory.begin(ContactId::Hinge(k), noise.share());
             }
         }
         for pair in 0..n * self.model.sprockets.len() {
@@ -205,7 +206,7 @@ impl Scene {
         }
         for k in 0..self.model.roller_count() {
             if noise.share() < share {
-                dynamics.memory.begin_roller(k, noise.share());
+                dynamics.memory.begin(ContactId::Roller(k), noise.share());
             }
         }
         dynamics

@@ -128,7 +128,11 @@ fn onsets_slower_than_the_minimum_impact_velocity_are_counted() {
         let mut machine = simulation(&thrown_at_a_disc(law, speed, 1e-6), 1e-9);
         record(&mut machine, 0.01, 1e-3);
         let found = machine.statistics();
-        assert_eq!((found.onsets, found.onsets_at_floor), (1, slow), "{speed}");
+        assert_eq!(
+            (found.onsets, found.onsets_at_minimum_velocity),
+            (1, slow),
+            "{speed}"
+        );
     }
 }
 

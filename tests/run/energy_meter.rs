@@ -24,7 +24,7 @@ fn metered(pretension: f64, variation: f64, fineness: usize) -> (f64, f64, u64, 
         *energy.residual.last().unwrap(),
         *energy.dissipated.last().unwrap(),
         statistics.counts.steps,
-        statistics.meter_evaluations,
+        statistics.energy_evaluations,
     )
 }
 

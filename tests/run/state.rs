@@ -115,9 +115,8 @@ fn a_run_handed_on_after_every_step_is_the_run_that_nobody_touched() {
         assert_eq!(longest[0], longest[1]);
         steps += 1;
         let dynamics = whole.dynamics();
-        let parted = dynamics.parted();
         onsets += u32::from(whole.statistics().onsets > before.0);
-        partings += u32::from(!parted.0.is_empty() || !parted.1.is_empty());
+        partings += u32::from(!dynamics.ended_contacts().is_empty());
         refreshes += u32::from(dynamics.candidate_refreshes() > before.1);
     }
     assert_eq!(bytes(&relay), bytes(&whole));

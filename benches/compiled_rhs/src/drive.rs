@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use rustchain::chain::contact::ContactId;
 use rustchain::chain::dynamics::{Dynamics, Powers};
 use rustchain::chain::motion::Motion;
 use rustchain::drive::Drive;
@@ -212,7 +213,7 @@ impl Evolving for DriveSystem {
                     d.evaluated.hinges.rate[k],
                 )
             });
-            self.dynamics.memory.begin_hinge(k, rate);
+            self.dynamics.memory.begin(ContactId::Hinge(k), rate);
         }
         let mut memory = self.dynamics.memory.clone();
         for &(pair, _) in teeth.iter().filter(|(_, touching)| *touching) {
@@ -234,10 +235,10 @@ impl Evolving for DriveSystem {
             self.meter(step, 2);
         }
         for &(pair, _) in teeth.iter().filter(|(_, touching)| !touching) {
-            memory.end_tooth(pair);
+            memory.end(ContactId::Tooth(pair));
         }
         for &(k, _) in hinges.iter().filter(|(_, touching)| !touching) {
-            memory.end_hinge(k);
+            memory.end(ContactId::Hinge(k));
         }
         if teeth.is_empty() {
             self.dynamics.memory = memory;

@@ -145,7 +145,7 @@ impl Problem {
 pub unsafe extern "C" fn drive_system(
     pretension: f64,
     ramp_time: f64,
-    floor: f64,
+    minimum: f64,
     positions: *const f64,
     velocities: *const f64,
     bodies: usize,
@@ -156,7 +156,7 @@ pub unsafe extern "C" fn drive_system(
         drive.tensioner = Some(paper::tensioner(pretension, ramp_time));
     }
     let laws = ForceLaws {
-        min_impact_velocity: floor,
+        min_impact_velocity: minimum,
         ..ForceLaws::default()
     };
     let start = if positions.is_null() {

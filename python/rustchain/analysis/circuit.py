@@ -121,6 +121,10 @@ class Circuit:
         """Return the displacement of the chain since the start [pitches], (times,)."""
         return _moved(result, self._first) - self._ahead
 
+    def revolutions(self, result: Result, rows: slice) -> float:
+        """Return how often the chain has gone round in these rows, forward and back."""
+        return path_length(self.moved(result)[rows]) / self.links
+
     def positions(self, result: Result) -> Array:
         """Return where each hinge is [pitches], from 0 to `links`, (times, hinges)."""
         start = np.arange(self.links, dtype=float)
@@ -192,6 +196,11 @@ class Belt:
         """Return both ends of the strand behind the sprocket at this place [m], (times, 2) each."""
         begin, end = self._ends
         return begin[:, place], end[:, place]
+
+
+def path_length(values: Array) -> float:
+    """Return the sum of the changes, forward and back."""
+    return float(np.abs(np.diff(values)).sum())
 
 
 def _closed(drive: ChainDrive) -> ChainDrive:

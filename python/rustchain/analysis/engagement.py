@@ -44,8 +44,9 @@ def engagements(
     Returns
     -------
     DataFrame
-        ``time`` [s] of the report that first shows the contact, ``bushing``, ``sprocket``,
-        ``tooth`` (gap from 0), ``region``. ``force`` [N] and ``impulse`` [N s] of the impact are
+        ``time`` [s] of the report that first shows the contact, from `start` to `end`; ``bushing``, ``sprocket``,
+        ``tooth`` (gap from 0), ``region``. A bushing that returns to the same gap continues its
+        episode; bushings within a wrap at the first row of a part have theirs before it. ``force`` [N] and ``impulse`` [N s] of the impact are
         from the peaks between reports. ``largest_force`` [N] and length ``pitches`` are those of
         the contact episode.
     """
@@ -84,13 +85,13 @@ def impacts(
         check_sprocket(result, sprocket)
         numbers = [int(sprocket)]
     rows = rows_between(result, start, end)
-    wheel, gap, region = (
-        result.array(f"tooth_{name}")[rows] for name in ("sprocket", "index", "region")
-    )
-    peak, impulse = (result.array(f"peak_tooth_{name}")[rows] for name in ("force", "impulse"))
-    time = result.time[rows]
-    moved = Circuit.of(result.drive).moved(result)[rows]
-    passed = np.maximum.accumulate(np.abs(moved - moved[0]))
+    # Rows before `start` show which contacts are in the middle of their episode.
+    wheel, gap, region = (result.array(f"tooth_{name}") for name in ("sprocket", "index", "region"))
+    peak, impulse = (result.array(f"peak_tooth_{name}") for name in ("force", "impulse"))
+    time = result.time
+    circuit = Circuit.of(result.drive)
+    passed = np.append(0.0, np.cumsum(np.abs(np.diff(circuit.moved(result)))))
+    engaged = _engaged_before(result, circuit)
     found, last_number = [], max(count, numbers[-1])
     for k in range(wheel.shape[1]):
         touching = np.flatnonzero((wheel[:, k] > 0) & (wheel[:, k] <= last_number))
@@ -100,8 +101,9 @@ def impacts(
         changes = np.flatnonzero((np.diff(where) != 0).any(axis=0)) + 1
         for episode in np.split(touching, changes):
             first, last = int(episode[0]), int(episode[-1])
-            if first == 0 or wheel[first, k] not in numbers:
-                continue  # the onset lies before the evaluated part
+            begun = first == 0 or (episode[0] == touching[0] and engaged[k] == wheel[first, k])
+            if begun or not rows.start <= first < rows.stop or wheel[first, k] not in numbers:
+                continue  # the onset lies before the first row, or outside the evaluated part
             # The row that first shows the contact ends the interval in which it began.
             early = slice(first, _row_at(passed, first, within))
             whole = slice(first, last + 2)
@@ -119,6 +121,22 @@ def impacts(
                 )
             )
     return found
+
+
+def _engaged_before(result: Result, circuit: Circuit) -> list[int]:
+    """Return the sprocket, from 1, in whose wrap each bushing is at the first row; 0 for none.
+
+    Where rows begin after the start of the run, such a bushing is in the middle of an episode, also
+    if it is in flight. At the start of a run there is none.
+    """
+    if not result.time[0] > 0.0:
+        return [0] * circuit.links
+    here = circuit.positions(result)[0]
+    wraps = [section for section in circuit.sections if section.sprocket is not None]
+    return [
+        next((s.sprocket or 0 for s in wraps if (x - s.begin) % circuit.links <= s.end - s.begin), 0)
+        for x in here
+    ]
 
 
 def _row_at(passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: float) -> int:

@@ -21,7 +21,7 @@ from rustchain.analysis.phases import (
     load_variables,
     midway,
 )
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import generated_positions, rows_between
 from rustchain.arguments import shown
 from rustchain.description.guides import SmoothIdler
 from rustchain.errors import InvalidInput
@@ -132,7 +132,10 @@ def _middle(result: Result, number: int) -> float:
     links = result.drive.chain.links
     guide = result.drive.guides[number - 1]
     table = _rustchain.chain_links(result.drive.chain)
-    x, y, angle = result.initial_positions[:links].T
+    positions, moved = result.initial_positions, Circuit.of(result.drive).moved(result)[0]
+    if not np.isfinite(positions).all():  # of a part whose bodies were not recorded
+        positions, moved = generated_positions(result), 0.0
+    x, y, angle = positions[:links].T
     half = 0.5 * table[:, 0]
     hinges = np.stack([x + half * np.cos(angle), y + half * np.sin(angle)], axis=1)
     step = np.roll(hinges, -1, axis=0) - hinges
@@ -140,5 +143,4 @@ def _middle(result: Result, number: int) -> float:
     inside = np.clip(along, 0.0, 1.0)
     foot = hinges + inside[:, None] * step
     nearest = int(np.argmin(np.hypot(*(foot - np.array(guide.center)).T)))
-    moved = Circuit.of(result.drive).moved(result)[0]
     return float(nearest + inside[nearest] + moved)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rustchain.analysis.circuit import Circuit
+from rustchain.analysis.circuit import Circuit, path_length
 from rustchain.analysis.phases import (
     NEWTONS,
     QUANTILES,
@@ -92,7 +92,7 @@ def hinge_loads(
             "quantile": list(quantiles),
             "hinge": np.arange(1, circuit.links + 1),
         },
-        {"revolutions": _revolutions(circuit, result, rows)},
+        {"revolutions": circuit.revolutions(result, rows)},
     )
 
 
@@ -138,8 +138,10 @@ def wrap_loads(
     along = np.mod(here - section.begin - begin, circuit.links) + begin
     place = bins_of(along, begin, 1.0 / bins_per_pitch, bins)
     span = intervals(result.time)[rows, None]
-    # A bushing near this sprocket touches no other one.
     tooth, hinge = (_forces(result, part, rows) for part in ("tooth", "hinge"))
+    # A bushing beside a wrap may touch a guide.
+    wheel = np.take_along_axis(result.array("tooth_sprocket"), nearest_contact(result), 0)[rows]
+    tooth = Forces(*(np.where(wheel == sprocket, values, 0.0) for values in tooth))
     position = begin + (np.arange(bins) + 0.5) / bins_per_pitch
     return xr.Dataset(
         load_variables("position", place, bins, tooth, span, quantiles)
@@ -187,13 +189,14 @@ def tooth_loads(
     check_sprocket(result, sprocket)
     teeth = result.drive.sprockets[sprocket - 1].teeth
     forces = by_gap(result, sprocket, rows)
-    turned = midway(result.array("sprocket_angle")[:, sprocket - 1])[rows, None]
+    angles = result.array("sprocket_angle")[:, sprocket - 1]
+    turned = midway(angles)[rows, None]
     around = (turned + 2 * np.pi * np.arange(teeth) / teeth) / (2 * np.pi)
     bins = bins_per_pitch * teeth
     place = np.floor(around * bins).astype(np.intp) % bins
     span = intervals(result.time)[rows, None]
     angle = 2 * np.pi * (np.arange(bins) + 0.5) / bins
-    turns = float(np.abs(turned[-1, 0] - turned[0, 0]) / (2 * np.pi))
+    turns = path_length(angles[rows]) / (2 * np.pi)
     return xr.Dataset(
         load_variables("angle", place, bins, forces, span, quantiles)
         | {
@@ -264,9 +267,3 @@ def _forces(result: Result, part: str, rows: slice) -> Forces:
     """Return the forces of hinges or of teeth."""
     names = (f"{part}_force", f"peak_{part}_force", f"peak_{part}_impulse")
     return Forces(*(result.array(name)[rows] for name in names))
-
-
-def _revolutions(circuit: Circuit, result: Result, rows: slice) -> float:
-    """Return the number of revolutions of the chain."""
-    moved = circuit.moved(result)[rows]
-    return float(abs(moved[-1] - moved[0]) / circuit.links)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _STORED = ("kinetic", "gravity", "elastic")
 _SUMS = ("dissipated", "external_work", "residual")
+_ROUNDING = 1e-12
 
 
 def power_balance(result: Result, /, *, start: Time = None, end: Time = None) -> xr.Dataset:
@@ -157,7 +158,11 @@ def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:
     rest = "contacts" if result.drive.tensioner is None else "contacts and dashpot"
     if any(name.endswith("_contact") for name in parts):
         rest = "dashpots"  # the contacts have channels of their own
-    return {rest: rate("dissipated") - sum(parts.values()), **parts}
+    dissipated = rate("dissipated")
+    left = dissipated - sum(parts.values())
+    if abs(left) <= _ROUNDING * sum(map(abs, parts.values())):
+        left = 0.0  # a drive without dashpots
+    return {rest: left, **parts}
 
 
 def _shafts(result: Result, rows: slice, external_work: float) -> tuple[Array, float]:

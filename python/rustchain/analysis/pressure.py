@@ -8,7 +8,7 @@ import numpy as np
 
 from rustchain import _rustchain
 from rustchain.analysis import rainflow
-from rustchain.analysis.circuit import Circuit
+from rustchain.analysis.circuit import Circuit, path_length
 from rustchain.analysis.loads import check_sprocket, nearest_contact
 from rustchain.analysis.phases import checked_bins
 from rustchain.analysis.window import rows_between
@@ -141,8 +141,7 @@ def pressure_cycles(
     if sprocket is None:
         part, labels = ("hinge" if contact == "hinge" else "bushing"), found.coords
         numbers = labels[part].to_numpy()
-        moved = Circuit.of(result.drive).moved(result)[rows]
-        turns = float(abs(moved[-1] - moved[0])) / result.drive.chain.links
+        turns = Circuit.of(result.drive).revolutions(result, rows)
     else:
         if contact != "tooth":
             msg = f"sprocket = {sprocket}: only teeth belong to one; leave it out for hinges"
@@ -150,8 +149,7 @@ def pressure_cycles(
         check_sprocket(result, sprocket)
         now, most = _of_gaps(result, sprocket, rows, now, most)
         part, numbers = "tooth", np.arange(now.shape[1])
-        angle = result.array("sprocket_angle")[rows, sprocket - 1]
-        turns = float(abs(angle[-1] - angle[0])) / (2 * np.pi)
+        turns = path_length(result.array("sprocket_angle")[rows, sprocket - 1]) / (2 * np.pi)
     if turns == 0.0:
         msg = "start, end: nothing has turned, so that no cycles can be counted; take a longer part"
         raise InvalidInput(msg)

@@ -50,6 +50,9 @@ def spectrum(
     if name not in dataset:
         result.array(name)  # raises, with the remedy
     recorded = dataset[name]
+    if "time" not in recorded.dims:
+        msg = f"name = {shown(name)}: has no rows over time; take a recorded array"
+        raise InvalidInput(msg)
     values = recorded.to_numpy()[rows]
     if not np.isfinite(values).all():
         msg = (

@@ -194,12 +194,13 @@ def natural_frequencies(
     f_n = n / (2 L) (c^2 - v^2) / c, c^2 = T / mu, holds for a string between fixed ends that moves
     along itself (Swope and Ames 1963). T includes the centrifugal part mu v^2. The frequency n pi c
     / L of the string is replaced by omega, that of rigid links of mass m and inertia J on hinges a
-    pitch p apart. It follows from omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2), s =
-    sin(n pi p / (2 L)). NaN where the tension is not positive, or the strand has no more links than
+    pitch p apart, with rollers of mass r on them where these are bodies of their own. It follows
+    from omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2 + r), s = sin(n pi p / (2 L)). NaN where the tension is not positive, or the strand has no more links than
     modes.
     """
     table = _rustchain.chain_links(chain)
     mass, inertia = table[:, 1].mean(), table[:, 2].mean()
+    roller = 0.0 if chain.roller is None else chain.strands * chain.roller.mass
     mode = np.arange(1, modes + 1)
     if tension <= 0.0:
         return np.full(modes, np.nan)
@@ -209,9 +210,9 @@ def natural_frequencies(
         tension
         / chain.mean_pitch
         * square
-        / (mass * (1.0 - sine**2) + inertia * square / chain.mean_pitch**2)
+        / (mass * (1.0 - sine**2) + inertia * square / chain.mean_pitch**2 + roller)
     )
-    slowed = 1.0 - speed**2 * (mass / chain.mean_pitch) / tension
+    slowed = 1.0 - speed**2 * ((mass + roller) / chain.mean_pitch) / tension
     found: Array = np.where(
         (mode < pitches) & (slowed > 0.0), slowed * resting / (2 * np.pi), np.nan
     )

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
+from rustchain import _rustchain
 from rustchain.errors import InvalidInput
 from rustchain.results.stored import part_of
 from rustchain.typing import Array, Time
@@ -15,11 +18,18 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 
+_ROUNDING = 1e-12
+_LEVELS = ("energy_kinetic", "energy_gravity", "energy_elastic")  # all other energies are sums
+
+
 def rows_between(result: Result, start: Time, end: Time) -> slice:
     """Return the rows from `start` to `end` [s]."""
     time = result.time
-    first = 0 if start is None else int(np.searchsorted(time, start, "left"))
-    last = len(time) if end is None else int(np.searchsorted(time, end, "right"))
+    # Times of rows are multiples of the report step to rounding.
+    first = 0 if start is None else int(np.searchsorted(time, start - _ROUNDING * abs(start)))
+    last = len(time)
+    if end is not None:
+        last = int(np.searchsorted(time, end + _ROUNDING * abs(end), "right"))
     if first >= last:
         span = f"{time[0]:g} to {time[-1]:g} s"
         msg = f"start={start}, end={end}: no rows there; the result has {span}"
@@ -37,11 +47,14 @@ def mean_over_time(time: Array, values: Array) -> Array:
 def between(result: Result, /, start: Time = None, end: Time = None) -> Result:
     """Return the part of the result from `start` to `end` [s], as a result.
 
-    States at ends that were not recorded are NaN. ``stats`` are those of the whole run. Of a result
-    in a streamed file, these rows alone are read; the part is in memory.
+    Energy dissipated, external work, losses and residual count from the first row of the part, and
+    so do peaks and impulses. States at ends that were not recorded are NaN. ``stats`` are those of
+    the whole run. Of a result in a streamed file, these rows alone are read; the part is in memory.
     """
     rows = rows_between(result, start, end)
     arrays = {name: part_of(result.arrays, name, rows) for name in result.arrays}
+    if rows.start > 0:
+        arrays |= _from_first_row(arrays)
     ends = {}
     for name, row, whole in (
         ("initial", rows.start, 0),
@@ -55,3 +68,21 @@ def between(result: Result, /, start: Time = None, end: Time = None) -> Result:
                 at_end = np.full_like(at_end, np.nan) if recorded is None else recorded[place]
             ends[f"{name}_{quantity}"] = at_end
     return replace(result, arrays=arrays, **ends)
+
+
+def generated_positions(result: Result) -> Array:
+    """Return the positions of the bodies in the generated configuration, (bodies, 3) [m, m, rad]."""
+    return _rustchain.Core(result.scene, None, None).positions
+
+
+def _from_first_row(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[Any]]:
+    """Return the sums and peaks of a part, which begin at its first row as those of a run do."""
+    found = {}
+    for name, values in arrays.items():
+        if name.startswith("energy_") and name not in _LEVELS:
+            found[name] = values - values[0]
+        elif name.startswith("peak_"):
+            found[name] = values.copy()
+            now = arrays.get(name.removeprefix("peak_"))
+            found[name][0] = 0.0 if now is None else now[0]
+    return found

@@ -131,8 +131,8 @@ class ContactFigures(Figures):
             axes.add_collection(drawn)
             axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, color=GREY, linestyle=":"))
             axes.set_aspect("equal")
-            axes.set_xlim(-1.2 * clearance, 1.2 * clearance)
-            axes.set_ylim(-1.2 * clearance, 1.2 * clearance)
+            reach = max(1.2 * clearance, 1.05 * float(np.abs(path).max(initial=0.0)))
+            axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
             axes.set_title(f"pin {number} in its bushing")
         if ax is None:
             figure.colorbar(drawn, ax=cells, label="pin / bushing force [N]", shrink=0.8)

@@ -8,13 +8,13 @@ from rustchain.typing import Array
 
 
 def of_arcs(pieces: Array) -> Array:
-    """Return points along pieces (from, to, centre, 1 or -1: convex or hollow)."""
+    """Return points along pieces (from, to, centre, 1 convex, -1 concave or 0 straight)."""
     points: list[Array] = []
     for start, end, center, sign in zip(
         pieces[:, :2], pieces[:, 2:4], pieces[:, 4:6], pieces[:, 6], strict=True
     ):
         points.append(start)
-        if np.isfinite(center).all():
+        if sign != 0.0:
             first, last = (np.arctan2(*(p - center)[::-1]) for p in (start, end))
             turn = (last - first) % (2 * np.pi) if sign > 0 else -((first - last) % (2 * np.pi))
             angle = first + turn * np.linspace(0.0, 1.0, 17)[1:-1]

@@ -16,6 +16,7 @@ from matplotlib.transforms import Bbox
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
+from rustchain.errors import NotRecorded
 from rustchain.plot.drive_shapes import shapes_of_drive
 from rustchain.plot.looks import LOOKS
 from rustchain.plot.mechanism_shapes import shapes_of_mechanism
@@ -87,7 +88,14 @@ class DrivePicture(Figures):
                 "pass record=(..., 'bodies') to run"
             )
             warn_caller(msg)
-        return found, result.final_positions if row == last else result.initial_positions
+        positions = result.final_positions if row == last else result.initial_positions
+        if not np.isfinite(positions).all():
+            msg = (
+                f"positions at t = {found:g} s: were not recorded, which is at an end of this part "
+                "alone; pass record=(..., 'bodies') to run, or draw the whole result"
+            )
+            raise NotRecorded(msg)
+        return found, positions
 
 
 def draw_mechanism(mechanism: Mechanism, positions: Array) -> Figure:

@@ -21,7 +21,7 @@ _ROWS = 16  # that each part has at least
 
 # Figures that are means over time: the mean of the parts is that of the whole.
 _MEANS = re.compile(
-    r"tension_.*(?<!_std)$|hinge_contact_share|engagement_force_mean|loss|efficiency|ripple_\d+"
+    r"tension_.*(?<!_std)$|hinge_contact_share|engagement_force_mean|loss|efficiency"
 )
 _LABELS = (
     (r"tension_(.+)_std", r"standard deviation of the tension, strand \1"),

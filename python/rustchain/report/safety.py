@@ -137,13 +137,14 @@ def allowed_pressure(pitch: float, speed: float, teeth: int) -> float | None:
 
 
 def _allowed(result: Result) -> float | None:
-    """Return the guide value at the mean speed of the sprocket with the fewest teeth."""
+    """Return the guide value at the mean size of the speed of the sprocket with the fewest teeth."""
     if "sprocket_speed" not in result.arrays or not result.drive.sprockets:
         return None
     teeth = [sprocket.teeth for sprocket in result.drive.sprockets]
     small = int(np.argmin(teeth))
-    speed = float(result.array("sprocket_speed")[:, small].mean())
-    return allowed_pressure(result.drive.chain.pitch, speed, teeth[small])
+    speed = np.abs(result.array("sprocket_speed")[:, small])
+    mean = float(mean_over_time(result.time, speed) if len(speed) > 1 else speed[0])
+    return allowed_pressure(result.drive.chain.pitch, mean, teeth[small])
 
 
 def _has_offset_link(result: Result) -> bool:

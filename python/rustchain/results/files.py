@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -106,7 +106,7 @@ def _streamed(path: Path) -> Result:
             for part in ("body", "joint", "contact")
         )
         sizes = {"body": len(body), "joint": len(joint), "contact": len(contact)}
-        arrays.empty = _empty_arrays(scene, sizes, len(arrays["time"]))
+        arrays.empty = _empty_arrays(about, scene, sizes, len(arrays["time"]))
         ends = {}
         for quantity in ("positions", "velocities"):
             start = array_of(header.constants, quantity, "initial")
@@ -138,23 +138,29 @@ def _streamed(path: Path) -> Result:
 def _arrays_of(
     data: xr.Dataset, scene: Scene, sizes: dict[str, int]
 ) -> dict[str, npt.NDArray[Any]]:
-    """Return the recorded arrays, with those of a mechanism that are empty and not in the file."""
+    """Return the recorded arrays, with the empty ones, which are not in the file."""
     arrays = {"time": data["time"].values}
     found = {name: array_of(data, name) for name in VARIABLES}
     arrays |= {name: array for name, array in found.items() if array is not None}
-    return arrays | _empty_arrays(scene, sizes, len(arrays["time"]))
+    return arrays | _empty_arrays(data.attrs, scene, sizes, len(arrays["time"]))
 
 
-def _empty_arrays(scene: Scene, sizes: dict[str, int], rows: int) -> dict[str, npt.NDArray[Any]]:
-    """Return the arrays of a mechanism that are empty, which files do not have."""
-    arrays = {}
+def _empty_arrays(
+    attributes: Mapping[Any, Any], scene: Scene, sizes: dict[str, int], rows: int
+) -> dict[str, npt.NDArray[Any]]:
+    """Return the recorded arrays that are empty: of parts that the scene does not have."""
+    groups: Collection[str] = json.loads(attributes.get("groups", "[]"))
     if scene.kind == "mechanism":
-        sizes = sizes | {"coordinate": 3, "component": 3, "axis": 2}
-        for name, v in VARIABLES.items():
-            shape = (rows, *(sizes.get(d, 1) for d in v.dims))
-            if v.group in ("bodies", *OF_MECHANISMS) and 0 in shape:
-                kind = np.int32 if name in ("contact_gap", "contact_region") else np.float64
-                arrays[name] = np.zeros(shape, kind)
+        groups = ("bodies", *OF_MECHANISMS)
+    elif not scene.drive.sprockets and not scene.drive.guides:
+        sizes = sizes | {"sprocket": 0}
+    sizes = sizes | {"coordinate": 3, "component": 3, "axis": 2}
+    arrays = {}
+    for name, v in VARIABLES.items():
+        shape = (rows, *(sizes.get(d, 1) for d in v.dims))
+        if v.group in groups and 0 in shape[1:]:
+            kind = np.int32 if name in ("contact_gap", "contact_region") else np.float64
+            arrays[name] = np.zeros(shape, kind)
     return arrays
 
 

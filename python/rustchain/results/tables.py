@@ -72,6 +72,7 @@ def attributes_of(result: Result) -> dict[str, Any]:
 
     return {
         "scene": result.scene.to_json(placeholders=True),
+        "groups": json.dumps(result.groups),
         "joint_names": json.dumps(result.joint_names),
         "contact_names": json.dumps(result.contact_names),
         "format": FORMAT,

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rustchain import _rustchain
-from rustchain.arguments import plain
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.description.scene import Scene
-from rustchain.errors import InvalidInput
 from rustchain.typing import Array
 
 _FAR = 0.01  # displacement over the pitch that closes ideal hinges without a warning
@@ -41,11 +38,11 @@ def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
 def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
     """Return the compiled core of a scene that begins at `place`."""
     if isinstance(scene.system, Mechanism):
-        if scene.start == "static":
-            # Rest lengths that are not described are those of the described positions.
-            core = _rustchain.MechanismCore(scene.system, scene.solver, **place)
-        else:
-            core = _rustchain.MechanismCore(_placed(scene.system, place), scene.solver)
+        if place["positions"] is None and place["velocities"] is not None:
+            described = tuple(body.position for body in scene.system.bodies)
+            place = {**place, "positions": _array(described)}
+        # Lengths and angles that are not described remain those of the described positions.
+        core = _rustchain.MechanismCore(scene.system, scene.solver, **place)
         # As described: the angles of a later state may be many turns.
         for text in (*core.check()["warnings"], *implausible_inputs(scene)):
             warn_caller(text)
@@ -81,22 +78,3 @@ def _array(rows: object) -> Array | None:
     if not isinstance(rows, tuple):
         return None
     return np.array(rows, dtype=float) if rows else np.empty((0, 3))
-
-
-def _placed(mechanism: Mechanism, place: Mapping[str, Array | None]) -> Mechanism:
-    """Return the mechanism with its bodies at other positions and velocities."""
-    names = {"positions": "position", "velocities": "velocity"}
-    bodies = mechanism.bodies
-    for quantity, name in names.items():
-        rows = place[quantity]
-        if rows is None:
-            continue
-        if len(rows) != len(bodies):
-            msg = (
-                f"{quantity} = {len(rows)} rows: needs one row (3 numbers) for each of the "
-                f"{len(bodies)} bodies"
-            )
-            raise InvalidInput(msg)
-        pairs = zip(bodies, plain(rows), strict=True)
-        bodies = [replace(body, **{name: row}) for body, row in pairs]
-    return replace(mechanism, bodies=bodies)

@@ -97,9 +97,9 @@ class Present(OfScene):
               initial impact velocity of each present contact [m/s], 0 without contact;
             - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
               working curve, 2 flat, 3 topping curve;
-            - ``parted_hinges`` and ``parted_tooth_pairs`` (sprocket · bushings + bushing): what
-              parted in the last step;
-            - where rollers are bodies, ``roller_onset_speed``, (rollers,), and ``parted_rollers``,
+            - ``ended_hinges`` and ``ended_tooth_pairs`` (sprocket · bushings + bushing): contacts
+              that ended in the last step;
+            - where rollers are bodies, ``roller_onset_speed``, (rollers,), and ``ended_rollers``,
               of bushings in rollers likewise.
 
             And ``snapshot``: bytes that hold all of it and all else, to the last bit.

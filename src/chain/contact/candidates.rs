@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::chain::contact::ImpactMemory;
+use crate::chain::contact::{ContactId, ImpactMemory};
 use crate::chain::model::{Model, SprocketModel, Support};
 
 use crate::geometry::{Surface, Vec2};
@@ -300,14 +300,17 @@ impl Candidates {
         Some(candidates.gap[slot])
     }
 
-    /// Copy the initial impact velocity and the surface of bushing `k` on sprocket `s` from `memory` into its slot.
+    /// Copy the initial impact velocity and the surface of a tooth contact from `memory` into its slot; hinges and rollers have none.
     pub(crate) fn update_memory(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
-        s: usize,
-        k: usize,
+        contact: ContactId,
     ) {
+        let ContactId::Tooth(pair) = contact else {
+            return;
+        };
+        let (s, k) = (pair / model.links, pair % model.links);
         if let Some(slot) = self.sprockets[s].slot_of(k, model.links) {
             self.sprockets[s].remember(model, memory, s, slot, k);
         }

@@ -5,6 +5,17 @@ use serde::{Deserialize, Serialize};
 use crate::geometry::Surface;
 use crate::math::simd::{Numbers, padded_zeros};
 
+/// Contact pair: hinge, bushing and roller, or bushing and sprocket (sprocket · links + bushing).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ContactId {
+    /// Pin and bushing of a hinge.
+    Hinge(usize),
+    /// Bushing and its roller.
+    Roller(usize),
+    /// Bushing, or its roller, and sprocket.
+    Tooth(usize),
+}
+
 /// Initial impact velocities and surfaces of all pairs; a velocity of zero marks a pair without memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImpactMemory {
@@ -21,7 +32,7 @@ pub struct ImpactMemory {
     /// Surface at the contact onset of each pair of bushing and sprocket.
     pub tooth_surface: Vec<Surface>,
     /// Minimum impact velocity \[m/s\].
-    floor: f64,
+    minimum: f64,
     /// Position of the pawl of each sprocket's or guide's ratchet, see [`crate::chain::model::Ratchet`]; -inf before its first update.
     pub pawls: Vec<f64>,
     /// Numbers of contact onsets.
@@ -34,13 +45,13 @@ pub struct OnsetCounts {
     /// All contact onsets.
     pub onsets: u64,
     /// Contact onsets below the minimum impact velocity.
-    pub at_floor: u64,
+    pub at_minimum: u64,
 }
 
 impl ImpactMemory {
-    /// Create a memory in which no pair has an initial impact velocity; `floor`: minimum impact velocity \[m/s\].
+    /// Create a memory in which no pair has an initial impact velocity; `minimum`: minimum impact velocity \[m/s\].
     #[must_use]
-    pub fn new(hinges: usize, rollers: usize, tooth_pairs: usize, floor: f64) -> Self {
+    pub fn new(hinges: usize, rollers: usize, tooth_pairs: usize, minimum: f64) -> Self {
         Self {
             hinge_impact_velocity: vec![0.0; hinges],
             hinge_inverse_impact_velocity: padded_zeros(hinges),
@@ -48,22 +59,111 @@ impl ImpactMemory {
             roller_inverse_impact_velocity: padded_zeros(rollers),
             tooth_impact_velocity: vec![0.0; tooth_pairs],
             tooth_surface: vec![Surface::SEATING; tooth_pairs],
-            floor,
+            minimum,
             pawls: vec![f64::NEG_INFINITY; tooth_pairs.checked_div(hinges).unwrap_or(0)],
             counts: OnsetCounts::default(),
         }
     }
 
-    /// Record a contact onset of hinge `k` at the penetration rate `rate` \[m/s\].
-    pub fn begin_hinge(&mut self, k: usize, rate: f64) {
-        self.hinge_impact_velocity[k] = self.count(rate);
-        self.hinge_inverse_impact_velocity[k] = 1.0 / self.hinge_impact_velocity[k];
+    /// Record a contact onset at the penetration rate `rate` \[m/s\]. The surface of a tooth remains.
+    pub fn begin(&mut self, contact: ContactId, rate: f64) {
+        let speed = rate.max(self.minimum);
+        self.counts.onsets += 1;
+        self.counts.at_minimum += u64::from(self.is_at_minimum(speed));
+        self.set_impact_velocity(contact, speed);
     }
 
-    /// Record the contact end of hinge `k`.
-    pub fn end_hinge(&mut self, k: usize) {
-        self.hinge_impact_velocity[k] = 0.0;
-        self.hinge_inverse_impact_velocity[k] = 0.0;
+    /// Record a contact onset of a pair of bushing and sprocket on `surface` at the penetration rate `rate` \[m/s\].
+    pub fn begin_tooth(&mut self, pair: usize, rate: f64, surface: Surface) {
+        self.begin(ContactId::Tooth(pair), rate);
+        self.tooth_surface[pair] = surface;
+    }
+
+    /// Return the surface at the onset of a tooth contact; `None` for hinges and rollers.
+    pub(crate) fn surface(&self, contact: ContactId) -> Option<Surface> {
+        match contact {
+            ContactId::Tooth(pair) => Some(self.tooth_surface[pair]),
+            ContactId::Hinge(_) | ContactId::Roller(_) => None,
+        }
+    }
+
+    /// Set the surface of a tooth contact.
+    pub(crate) fn set_surface(&mut self, contact: ContactId, surface: Option<Surface>) {
+        if let (ContactId::Tooth(pair), Some(surface)) = (contact, surface) {
+            self.tooth_surface[pair] = surface;
+        }
+    }
+
+    /// Record a contact end.
+    pub fn end(&mut self, contact: ContactId) {
+        self.set_impact_velocity(contact, 0.0);
+    }
+
+    /// Remove the last contact onset from the counts and return to the memory before it, `speed` \[m/s\]; zero: no contact.
+    pub(crate) fn take_back_onset(&mut self, contact: ContactId, speed: f64) {
+        let removed = self.impact_velocity(contact);
+        self.counts.onsets -= 1;
+        self.counts.at_minimum -= u64::from(self.is_at_minimum(removed));
+        self.set_impact_velocity(contact, speed);
+    }
+
+    fn set_impact_velocity(&mut self, contact: ContactId, speed: f64) {
+        let inverse = if speed > 0.0 { 1.0 / speed } else { 0.0 };
+        match contact {
+            ContactId::Hinge(k) => {
+                self.hinge_impact_velocity[k] = speed;
+                self.hinge_inverse_impact_velocity[k] = inverse;
+            }
+            ContactId::Roller(k) => {
+                self.roller_impact_velocity[k] = speed;
+                self.roller_inverse_impact_velocity[k] = inverse;
+            }
+            ContactId::Tooth(pair) => self.tooth_impact_velocity[pair] = speed,
+        }
+    }
+
+    /// Return the initial impact velocity of a contact \[m/s\]; zero without memory.
+    #[must_use]
+    pub fn impact_velocity(&self, contact: ContactId) -> f64 {
+        match contact {
+            ContactId::Hinge(k) => self.hinge_impact_velocity[k],
+            ContactId::Roller(k) => self.roller_impact_velocity[k],
+            ContactId::Tooth(pair) => self.tooth_impact_velocity[pair],
+        }
+    }
+
+    /// Return whether a contact has an initial impact velocity.
+    #[must_use]
+    pub fn has(&self, contact: ContactId) -> bool {
+        self.impact_velocity(contact) > 0.0
+    }
+
+    /// Return whether the memory has a place for this contact.
+    pub(crate) fn contains(&self, contact: ContactId) -> bool {
+        let [hinges, rollers, pairs] = self.numbers();
+        match contact {
+            ContactId::Hinge(k) => k < hinges,
+            ContactId::Roller(k) => k < rollers,
+            ContactId::Tooth(pair) => pair < pairs,
+        }
+    }
+
+    /// Return all contacts: hinges, rollers, then pairs of bushing and sprocket.
+    pub(crate) fn contacts(&self) -> impl Iterator<Item = ContactId> + use<> {
+        let [hinges, rollers, pairs] = self.numbers();
+        (0..hinges)
+            .map(ContactId::Hinge)
+            .chain((0..rollers).map(ContactId::Roller))
+            .chain((0..pairs).map(ContactId::Tooth))
+    }
+
+    fn numbers(&self) -> [usize; 3] {
+        [
+            &self.hinge_impact_velocity,
+            &self.roller_impact_velocity,
+            &self.tooth_impact_velocity,
+        ]
+        .map(Vec::len)
     }
 
     /// Return the initial impact velocity of each hinge \[m/s\].
@@ -78,18 +178,6 @@ impl ImpactMemory {
         &self.hinge_inverse_impact_velocity
     }
 
-    /// Record a contact onset of bushing `k` and its roller at the penetration rate `rate` \[m/s\].
-    pub fn begin_roller(&mut self, k: usize, rate: f64) {
-        self.roller_impact_velocity[k] = self.count(rate);
-        self.roller_inverse_impact_velocity[k] = 1.0 / self.roller_impact_velocity[k];
-    }
-
-    /// Record the contact end of bushing `k` and its roller.
-    pub fn end_roller(&mut self, k: usize) {
-        self.roller_impact_velocity[k] = 0.0;
-        self.roller_inverse_impact_velocity[k] = 0.0;
-    }
-
     /// Return the initial impact velocity of each bushing in its roller \[m/s\].
     #[must_use]
     pub fn roller_impact_velocity(&self) -> &[f64] {
@@ -102,33 +190,8 @@ impl ImpactMemory {
         &self.roller_inverse_impact_velocity
     }
 
-    /// Record a contact onset of a pair of bushing and sprocket on `surface` at the penetration rate `rate` \[m/s\].
-    pub fn begin_tooth(&mut self, pair: usize, rate: f64, surface: Surface) {
-        self.tooth_impact_velocity[pair] = self.count(rate);
-        self.tooth_surface[pair] = surface;
-    }
-
-    /// Record the contact end of a pair of bushing and sprocket.
-    pub fn end_tooth(&mut self, pair: usize) {
-        self.tooth_impact_velocity[pair] = 0.0;
-    }
-
-    /// Remove a contact onset with the initial impact velocity `speed` \[m/s\] from the counts.
-    pub(crate) fn uncount(&mut self, speed: f64) {
-        self.counts.onsets -= 1;
-        self.counts.at_floor -= u64::from(self.is_at_floor(speed));
-    }
-
-    /// Count a contact onset at the penetration rate `rate` and return its initial impact velocity \[m/s\].
-    fn count(&mut self, rate: f64) -> f64 {
-        let speed = rate.max(self.floor);
-        self.counts.onsets += 1;
-        self.counts.at_floor += u64::from(self.is_at_floor(speed));
-        speed
-    }
-
-    fn is_at_floor(&self, speed: f64) -> bool {
-        speed <= self.floor
+    fn is_at_minimum(&self, speed: f64) -> bool {
+        speed <= self.minimum
     }
 
     /// Return the numbers of contact onsets.
@@ -154,7 +217,7 @@ impl ImpactMemory {
             );
             (hinges, rollers, teeth, memory.pawls.len())
         };
-        lengths(self) == lengths(other) && self.floor == other.floor
+        lengths(self) == lengths(other) && self.minimum == other.minimum
     }
 
     /// Clear the memory of every pair and the positions of all pawls; the counts remain.
@@ -172,18 +235,23 @@ impl ImpactMemory {
 mod tests {
     use super::*;
 
-    const FLOOR: f64 = 0.01;
+    const MINIMUM: f64 = 0.01;
 
     fn memory() -> ImpactMemory {
-        ImpactMemory::new(6, 6, 12, FLOOR)
+        ImpactMemory::new(6, 6, 12, MINIMUM)
     }
 
     #[test]
     fn an_onset_keeps_its_speed_or_the_minimum_and_its_inverse_until_the_contact_ends() {
-        for (rate, speed) in [(0.5, 0.5), (FLOOR, FLOOR), (0.001, FLOOR), (-0.2, FLOOR)] {
+        for (rate, speed) in [
+            (0.5, 0.5),
+            (MINIMUM, MINIMUM),
+            (0.001, MINIMUM),
+            (-0.2, MINIMUM),
+        ] {
             let mut memory = memory();
-            memory.begin_hinge(2, rate);
-            memory.begin_roller(3, rate);
+            memory.begin(ContactId::Hinge(2), rate);
+            memory.begin(ContactId::Roller(3), rate);
             memory.begin_tooth(7, rate, Surface::FLAT);
             assert_eq!(memory.hinge_impact_velocity()[2], speed);
             assert_eq!(memory.hinge_inverse_impact_velocity()[2], 1.0 / speed);
@@ -191,12 +259,12 @@ mod tests {
             assert_eq!(memory.roller_inverse_impact_velocity()[3], 1.0 / speed);
             assert_eq!(memory.tooth_impact_velocity[7], speed);
             assert_eq!(memory.tooth_surface[7], Surface::FLAT);
-            let slow = if rate <= FLOOR { 3 } else { 0 };
+            let slow = if rate <= MINIMUM { 3 } else { 0 };
             let counts = memory.counts();
-            assert_eq!((counts.onsets, counts.at_floor), (3, slow));
-            memory.end_hinge(2);
-            memory.end_roller(3);
-            memory.end_tooth(7);
+            assert_eq!((counts.onsets, counts.at_minimum), (3, slow));
+            memory.end(ContactId::Hinge(2));
+            memory.end(ContactId::Roller(3));
+            memory.end(ContactId::Tooth(7));
             assert_eq!(memory.hinge_impact_velocity(), [0.0; 6]);
             assert_eq!(memory.roller_impact_velocity(), [0.0; 6]);
             assert!(
@@ -220,23 +288,27 @@ mod tests {
     #[test]
     fn an_onset_that_is_taken_back_is_not_counted() {
         let mut memory = memory();
+        let hinge = ContactId::Hinge(0);
         for rate in [0.5, 0.001, 0.002] {
-            memory.begin_hinge(0, rate);
+            memory.begin(hinge, rate);
         }
-        memory.uncount(FLOOR);
+        memory.take_back_onset(hinge, 0.5);
         assert_eq!(
             memory.counts(),
             OnsetCounts {
                 onsets: 2,
-                at_floor: 1
+                at_minimum: 1
             }
         );
-        memory.uncount(0.5);
+        assert_eq!(memory.impact_velocity(hinge), 0.5);
+        assert_eq!(memory.hinge_inverse_impact_velocity()[0], 2.0);
+        memory.take_back_onset(hinge, 0.0);
+        assert!(!memory.has(hinge));
         assert_eq!(
             memory.counts(),
             OnsetCounts {
                 onsets: 1,
-                at_floor: 1
+                at_minimum: 1
             }
         );
     }
@@ -244,8 +316,8 @@ mod tests {
     #[test]
     fn a_cleared_memory_is_a_new_one_with_its_counts() {
         let mut memory = memory();
-        memory.begin_hinge(1, 0.3);
-        memory.begin_roller(2, 0.3);
+        memory.begin(ContactId::Hinge(1), 0.3);
+        memory.begin(ContactId::Roller(2), 0.3);
         memory.begin_tooth(3, 0.3, Surface::SEATING);
         memory.pawls[1] = 0.4;
         let counts = memory.counts();
@@ -264,14 +336,14 @@ mod tests {
         assert!(one.is_like(&memory()));
         for other in [
             ImpactMemory::new(6, 6, 12, 0.02),
-            ImpactMemory::new(6, 0, 12, FLOOR),
-            ImpactMemory::new(6, 6, 18, FLOOR),
-            ImpactMemory::new(4, 6, 12, FLOOR),
+            ImpactMemory::new(6, 0, 12, MINIMUM),
+            ImpactMemory::new(6, 6, 18, MINIMUM),
+            ImpactMemory::new(4, 6, 12, MINIMUM),
         ] {
             assert!(!one.is_like(&other));
         }
         // A pawl for each sprocket; a memory without hinges has none.
         assert_eq!(one.pawls, [f64::NEG_INFINITY; 2]);
-        assert!(ImpactMemory::new(0, 0, 0, FLOOR).pawls.is_empty());
+        assert!(ImpactMemory::new(0, 0, 0, MINIMUM).pawls.is_empty());
     }
 }

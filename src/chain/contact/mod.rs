@@ -2,6 +2,7 @@
 
 mod candidates;
 mod clearance_joint;
+mod contact_path;
 mod impact_memory;
 mod pair_path;
 mod roller_path;
@@ -11,7 +12,8 @@ mod tooth_jumps;
 pub(crate) use candidates::{
     BushingRun, Candidates, CandidatesCheckpoint, SprocketCandidates, gap_of, surface_constants,
 };
-pub use impact_memory::{ImpactMemory, OnsetCounts};
+pub(crate) use contact_path::ContactPath;
+pub use impact_memory::{ContactId, ImpactMemory, OnsetCounts};
 pub use pair_path::{HingePath, ToothPath};
 pub use roller_path::RollerPath;
 pub(crate) use tooth_gap::seen_from_teeth;

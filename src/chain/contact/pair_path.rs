@@ -5,8 +5,7 @@
 use super::clearance_joint::pin_in_bushing;
 use super::tooth_gap::{OnGap, SprocketFrame, bushing_near_gap};
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
-use crate::geometry::Contact;
-use crate::geometry::{Vec2, turned_left, unit};
+use crate::geometry::{Contact, Vec2, turned_left, unit};
 use crate::integrator::{Adams, DenseSums};
 
 /// Largest rotation \[rad\] that [`turned`] evaluates by a series; its truncation error is then below 3e-19.

@@ -108,7 +108,7 @@ pub(super) fn with_tensioner(pivot: Option<Vec2>) -> Drive {
 }
 
 /// Return the model of a drive and its generated initial configuration.
-pub(super) fn compiled(drive: &Drive) -> (Model, InitialConfiguration) {
+pub(crate) fn compiled(drive: &Drive) -> (Model, InitialConfiguration) {
     let (start, _) = InitialConfiguration::generate(drive).unwrap();
     let model = Model::compile(drive, &ForceLaws::default(), &start).unwrap();
     (model, start)

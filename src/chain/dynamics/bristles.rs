@@ -3,7 +3,8 @@
 //! A bristle is deflected during its contact. After the contact end its deflection has no effect. Before the next step the deflection and
 //! its history in the integrator are set to zero, so that no discontinuity remains.
 
-use super::{ContactId, Dynamics, Losses};
+use super::{Dynamics, Losses};
+use crate::chain::contact::ContactId;
 use crate::chain::model::Model;
 use crate::force_law::LuGre;
 use crate::integrator::Adams;
@@ -110,12 +111,12 @@ impl Dynamics {
     }
 
     /// Reset the bristles of contacts that ended in the last step, with their history; call before [`Self::forget_ended_contacts`].
-    pub(crate) fn unbend_parted(&mut self, adams: &mut Adams) {
+    pub(crate) fn reset_bristles_of_ended_contacts(&mut self, adams: &mut Adams) {
         if self.model.bristles.is_empty() {
             return;
         }
-        for i in 0..self.events.parted.len() {
-            if let Some(coordinate) = self.bristle_of(self.events.parted[i]) {
+        for i in 0..self.events.ended.len() {
+            if let Some(coordinate) = self.bristle_of(self.events.ended[i]) {
                 for component in [coordinate, self.model.coordinates + coordinate] {
                     adams.reset_component(component);
                 }

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ContactId, Dynamics, Inputs, Powers};
-use crate::chain::contact::{CandidatesCheckpoint, ImpactMemory, ToothJumps};
+use super::contact_events::Restart;
+use super::{Dynamics, Inputs, Powers};
+use crate::chain::contact::{CandidatesCheckpoint, ContactId, ImpactMemory, ToothJumps};
 use crate::chain::model::Input;
-use crate::chain::rhs::Watch;
+use crate::chain::rhs::EventScreening;
 use crate::geometry::Surface;
 use crate::system::EnergyQuadrature;
 
@@ -17,16 +18,17 @@ pub struct Checkpoint {
     inputs: Vec<Input>,
     memory: ImpactMemory,
     candidates: CandidatesCheckpoint,
-    watch: Watch,
+    screening: EventScreening,
     fastest: f64,
-    unseen_touches: u64,
+    in_step_contacts: u64,
     keeps_energy: bool,
     quadrature: EnergyQuadrature<Powers>,
-    parted: Vec<ContactId>,
+    ended: Vec<ContactId>,
+    restarted: Vec<Restart>,
     hinge_past_range: Option<String>,
     tooth_past_range: Option<String>,
     tooth_jumps: ToothJumps,
-    jumps_looked_for: u64,
+    jumps_searched_at: u64,
     /// Forces of ideal hinges at the end of the last step; none where hinges have clearance.
     hinge_forces: Option<[Vec<f64>; 2]>,
 }
@@ -38,16 +40,17 @@ impl Dynamics {
             inputs: self.inputs.set.clone(),
             memory: self.memory.clone(),
             candidates: self.kernels.candidates.to_checkpoint(&self.model),
-            watch: self.kernels.watch.clone(),
+            screening: self.kernels.screening.clone(),
             fastest: self.events.fastest,
-            unseen_touches: self.events.unseen_touches,
+            in_step_contacts: self.events.in_step_contacts,
             keeps_energy: self.keeps_energy,
             quadrature: self.quadrature.clone(),
-            parted: self.events.parted.clone(),
+            ended: self.events.ended.clone(),
+            restarted: self.events.restarted.clone(),
             hinge_past_range: self.past_ranges.hinge.clone(),
             tooth_past_range: self.past_ranges.tooth.clone(),
             tooth_jumps: self.events.jumps.clone(),
-            jumps_looked_for: self.events.jumps_looked_for,
+            jumps_searched_at: self.events.jumps_searched_at,
             hinge_forces: (self.kernels.ideal.as_ref()).map(|ideal| ideal.step_end().clone()),
         }
     }
@@ -62,36 +65,35 @@ impl Dynamics {
         dynamics.inputs.set.clone_from(&checkpoint.inputs);
         dynamics.use_instructions(self.instructions());
         dynamics.quadrature.refine(self.quadrature.fineness());
-        let there = |pair: &ContactId| match *pair {
-            ContactId::Hinge(k) => k < dynamics.memory.hinge_impact_velocity().len(),
-            ContactId::Roller(k) => k < dynamics.memory.roller_impact_velocity().len(),
-            ContactId::Tooth(pair) => pair < dynamics.memory.tooth_impact_velocity.len(),
-        };
         let links = self.model.links;
         let mut surfaces = checkpoint.memory.tooth_surface.iter().enumerate();
         let exists = |(pair, surface): (usize, &Surface)| {
             let sprocket = self.model.sprockets.get(pair / links);
             sprocket.is_some_and(|s| surface.index() < s.profile.surfaces().len())
         };
+        let restarted = checkpoint.restarted.iter().map(|one| one.contact);
+        let mut contacts = checkpoint.ended.iter().copied().chain(restarted);
         if !checkpoint.memory.is_like(&dynamics.memory)
             || !surfaces.all(exists)
-            || !checkpoint.parted.iter().all(there)
+            || !contacts.all(|contact| dynamics.memory.contains(contact))
             || !checkpoint.quadrature.is_like(&dynamics.quadrature)
             || !checkpoint.tooth_jumps.is_like(&dynamics.model)
-            || !(checkpoint.watch).is_like(&dynamics.kernels.watch, dynamics.model.links)
+            || !(checkpoint.screening).is_like(&dynamics.kernels.screening, dynamics.model.links)
         {
             return None;
         }
         dynamics.quadrature.carry_on(&checkpoint.quadrature);
-        dynamics.kernels.watch.copy_from(&checkpoint.watch);
+        dynamics.kernels.screening.copy_from(&checkpoint.screening);
         dynamics.events.fastest = checkpoint.fastest;
-        dynamics.events.unseen_touches = checkpoint.unseen_touches;
+        dynamics.events.in_step_contacts = checkpoint.in_step_contacts;
         dynamics.memory = checkpoint.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;
         candidates.restore(&dynamics.model, &dynamics.memory, &checkpoint.candidates)?;
         dynamics.keeps_energy = checkpoint.keeps_energy;
-        // The existing vector has capacity for all pairs; a clone would not. Steps extend it without allocation.
-        dynamics.events.parted.extend_from_slice(&checkpoint.parted);
+        // The existing vectors have capacity for all pairs; a clone would not. Steps extend it without allocation.
+        dynamics.events.ended.extend_from_slice(&checkpoint.ended);
+        let restarted = &mut dynamics.events.restarted;
+        restarted.extend_from_slice(&checkpoint.restarted);
         dynamics
             .past_ranges
             .hinge
@@ -101,7 +103,7 @@ impl Dynamics {
             .tooth
             .clone_from(&checkpoint.tooth_past_range);
         dynamics.events.jumps.clone_from(&checkpoint.tooth_jumps);
-        dynamics.events.jumps_looked_for = checkpoint.jumps_looked_for;
+        dynamics.events.jumps_searched_at = checkpoint.jumps_searched_at;
         if let Some(ideal) = &mut dynamics.kernels.ideal {
             let forces = checkpoint.hinge_forces.as_ref()?;
             if forces.iter().any(|axis| axis.len() != links) {

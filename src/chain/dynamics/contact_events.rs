@@ -3,82 +3,104 @@
 use serde::{Deserialize, Serialize};
 
 use super::Dynamics;
-use crate::chain::contact::{
-    HingePath, ImpactMemory, RollerPath, ToothJump, ToothJumps, ToothPath,
-};
+use crate::chain::contact::{ContactId, ContactPath, ImpactMemory, ToothJump, ToothJumps};
 use crate::chain::model::Model;
 use crate::geometry::Surface;
-use crate::integrator::event_location::onset_in_step;
+use crate::integrator::event_location::{onset_between, onset_in_step};
 use crate::integrator::{Adams, OdeSystem, Step};
 
-/// Contact pair: hinge, bushing and roller, or bushing and sprocket (sprocket · links + bushing).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) enum ContactId {
-    Hinge(usize),
-    Roller(usize),
-    Tooth(usize),
+/// Contact onset located inside a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Onset {
+    pub(super) contact: ContactId,
+    /// Time \[s\].
+    pub(super) time: f64,
+    /// Penetration rate \[m/s\].
+    pub(super) rate: f64,
+    /// Surface of the tooth.
+    pub(super) surface: Option<Surface>,
+}
+
+impl Onset {
+    /// Locate the last onset of `contact` in the last step of `adams`, between the times of `step`, as [`onset_in_step`] does.
+    ///
+    /// `ends`: penetration \[m\] and rate \[m/s\] at both ends, where they are known. `None`: the contact does not exist.
+    pub(super) fn locate(
+        (model, adams, step): (&Model, &Adams, &Step),
+        contact: ContactId,
+        ends: Option<[[f64; 2]; 2]>,
+    ) -> Option<Self> {
+        let path = ContactPath::new(model, adams, contact)?;
+        let [start, end] = [step.start, step.end];
+        let (time, rate) = match ends {
+            Some(ends) => onset_between(|t| path.at(t), [start, end], ends),
+            None => onset_in_step(|t| path.at(t), start, end),
+        };
+        let surface = path.surface(time);
+        Some(Self {
+            contact,
+            time,
+            rate,
+            surface,
+        })
+    }
+}
+
+/// Contact that ended and began again inside the last step: its memory before that.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct Restart {
+    pub(super) contact: ContactId,
+    /// Time of the onset \[s\].
+    pub(super) time: f64,
+    /// Initial impact velocity before \[m/s\].
+    pub(super) impact_velocity: f64,
+    /// Surface of the tooth before.
+    pub(super) surface: Option<Surface>,
 }
 
 /// Events of the last step.
 #[derive(Debug, Clone)]
 pub(super) struct ContactEvents {
     /// Pairs that ended their contact in the last step; their memory remains until the next step, for reports inside the last one.
-    pub(super) parted: Vec<ContactId>,
+    pub(super) ended: Vec<ContactId>,
+    /// Pairs that ended their contact in the last step and began it again.
+    pub(super) restarted: Vec<Restart>,
     /// Whether event screening found a pair that may have touched or separated inside the last step.
     pub(super) event_possible: bool,
     /// Upper bound on the speeds of bushings relative to teeth at the end of the last step \[m/s\].
     pub(super) fastest: f64,
     /// Number of accepted contacts inside steps whose penetration was within the accuracy.
-    pub(super) unseen_touches: u64,
+    pub(super) in_step_contacts: u64,
     /// Seatings of the chain, and jumps over teeth.
     pub(super) jumps: ToothJumps,
     /// Number of candidate lists built at the last search for tooth jumps.
-    pub(super) jumps_looked_for: u64,
-    /// Scratch: tooth contacts with an onset in the last step, as (sprocket, bushing).
-    pub(super) begun: Vec<(usize, usize)>,
+    pub(super) jumps_searched_at: u64,
+    /// Scratch: contact onsets in the last step.
+    pub(super) begun: Vec<Onset>,
 }
 
 impl ContactEvents {
     /// Allocate the events of `model`.
     pub(super) fn new(model: &Model) -> Self {
-        let tooth_pairs = model.links * model.sprockets.len();
+        let contacts = model.links * (1 + model.sprockets.len()) + model.roller_count();
         Self {
-            parted: Vec::with_capacity(model.links + tooth_pairs + model.roller_count()),
+            ended: Vec::with_capacity(contacts),
+            restarted: Vec::with_capacity(contacts),
             event_possible: false,
             fastest: 0.0,
-            unseen_touches: 0,
+            in_step_contacts: 0,
             jumps: ToothJumps::new(model),
-            jumps_looked_for: 0,
-            begun: Vec::with_capacity(tooth_pairs),
+            jumps_searched_at: 0,
+            begun: Vec::with_capacity(contacts),
         }
     }
 }
 
 impl Dynamics {
-    /// Return the hinges, and the pairs of bushing and sprocket, whose contact ended in the last step.
-    ///
-    /// Their memory is cleared at the beginning of the next step.
+    /// Return the pairs whose contact ended in the last step. Their memory is cleared at the beginning of the next step.
     #[must_use]
-    pub fn parted(&self) -> (Vec<usize>, Vec<usize>) {
-        let mut parted = (Vec::new(), Vec::new());
-        for pair in &self.events.parted {
-            match *pair {
-                ContactId::Hinge(k) => parted.0.push(k),
-                ContactId::Tooth(pair) => parted.1.push(pair),
-                ContactId::Roller(_) => {}
-            }
-        }
-        parted
-    }
-
-    /// Return the bushings whose contact with their roller ended in the last step.
-    #[must_use]
-    pub fn parted_rollers(&self) -> Vec<usize> {
-        let roller = |pair: &ContactId| match *pair {
-            ContactId::Roller(k) => Some(k),
-            _ => None,
-        };
-        self.events.parted.iter().filter_map(roller).collect()
+    pub fn ended_contacts(&self) -> &[ContactId] {
+        &self.events.ended
     }
 
     /// Start the memory of every pair in contact at (`t`, `y`), with its present penetration rate and its nearest surface.
@@ -93,24 +115,10 @@ impl Dynamics {
         self.memory.clear();
         self.follow_with_pawls(y);
         self.evaluate(t, y);
-        for k in 0..self.model.links {
-            if self.evaluated.hinges.penetration[k] > 0.0 {
-                self.memory.begin_hinge(k, self.evaluated.hinges.rate[k]);
-            }
-        }
-        for k in 0..self.model.roller_count() {
-            if self.evaluated.rollers.penetration[k] > 0.0 {
-                self.memory.begin_roller(k, self.evaluated.rollers.rate[k]);
-            }
-        }
-        for &pair in &self.evaluated.teeth.near {
-            let pair = pair as usize;
-            if self.evaluated.teeth.penetration[pair] > 0.0 {
-                self.memory.begin_tooth(
-                    pair,
-                    self.evaluated.teeth.rate[pair],
-                    self.evaluated.teeth.surface(pair),
-                );
+        for contact in self.memory.contacts() {
+            let (penetration, rate) = self.evaluated.penetration_and_rate(contact);
+            if penetration > 0.0 {
+                self.begin_evaluated_contact(contact, rate);
             }
         }
         for &[bushing, sprocket, surface] in surfaces {
@@ -119,17 +127,28 @@ impl Dynamics {
             self.memory.tooth_surface[sprocket * self.model.links + bushing] = surface;
         }
         self.kernels.candidates.invalidate();
-        self.begin_watch(t, y);
-        self.look_for_jumps(t);
+        self.begin_screening(t, y);
+        self.find_tooth_jumps(t);
+    }
+
+    /// Start the memory of a contact with the penetration rate `rate` \[m/s\], on the nearest surface of the last evaluation for a report.
+    pub(super) fn begin_evaluated_contact(&mut self, contact: ContactId, rate: f64) {
+        match contact {
+            ContactId::Tooth(pair) => {
+                let surface = self.evaluated.teeth.surface(pair);
+                self.memory.begin_tooth(pair, rate, surface);
+            }
+            _ => self.memory.begin(contact, rate),
+        }
     }
 
     /// Evaluate at (`t`, `y`), the start of the first step: event screening needs the gaps there.
-    pub(super) fn begin_watch(&mut self, t: f64, y: &[f64]) {
+    pub(super) fn begin_screening(&mut self, t: f64, y: &[f64]) {
         let mut derivative = std::mem::take(&mut self.slope);
         self.derivative(t, y, &mut derivative);
         self.slope = derivative;
-        self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
-        self.kernels.advance_watch();
+        self.events.fastest = self.kernels.screen(&self.model, 0.0).speed;
+        self.kernels.advance_screening();
     }
 
     /// Replace the memory of all contacts, for an integrator outside this crate. The candidate list has a copy and is built again.
@@ -164,18 +183,11 @@ impl Dynamics {
 
     /// Clear the memory of contacts that ended in the last step; call before the next step.
     pub fn forget_ended_contacts(&mut self) {
-        for pair in self.events.parted.drain(..) {
-            match pair {
-                ContactId::Hinge(k) => self.memory.end_hinge(k),
-                ContactId::Roller(k) => self.memory.end_roller(k),
-                ContactId::Tooth(pair) => {
-                    self.memory.end_tooth(pair);
-                    let (s, k) = (pair / self.model.links, pair % self.model.links);
-                    self.kernels
-                        .candidates
-                        .update_memory(&self.model, &self.memory, s, k);
-                }
-            }
+        self.events.restarted.clear();
+        for contact in self.events.ended.drain(..) {
+            self.memory.end(contact);
+            let candidates = &mut self.kernels.candidates;
+            candidates.update_memory(&self.model, &self.memory, contact);
         }
     }
 
@@ -183,27 +195,18 @@ impl Dynamics {
     ///
     /// Call after the step, before another evaluation of the right-hand side.
     pub fn record_contact_events(&mut self, adams: &Adams, step: &Step) {
-        let [hinges, rollers, teeth] = self.kernels.changes();
-        if hinges {
-            self.find_hinge_onsets(adams, step);
-        }
-        if rollers {
-            self.find_roller_onsets(adams, step);
-        }
-        if teeth {
-            self.find_tooth_onsets(adams, step);
-        }
+        self.find_events_between_ends(adams, step);
         if std::mem::take(&mut self.events.event_possible) {
-            self.look_inside(adams, step);
+            self.record_in_step_events(adams, step);
         }
-        self.kernels.advance_watch();
-        self.watch_ranges(adams);
+        self.kernels.advance_screening();
+        self.note_ranges(adams);
         // Steps are far shorter than a gap. After a displacement of more than half a pitch, the number of passed teeth is ambiguous.
         let farthest = self.events.fastest * (step.end - step.start);
         if farthest.is_nan() || farthest > self.model.half_pitch {
             self.events.jumps.lose_seatings();
-        } else if self.events.jumps_looked_for != self.candidate_refreshes() {
-            self.look_for_jumps(step.end);
+        } else if self.events.jumps_searched_at != self.candidate_refreshes() {
+            self.find_tooth_jumps(step.end);
         }
     }
 
@@ -211,10 +214,10 @@ impl Dynamics {
     ///
     /// A bushing that has changed gaps has moved by more than the margin of the candidate list relative to its sprocket. The search is
     /// therefore necessary only after the list was built again.
-    fn look_for_jumps(&mut self, t: f64) {
-        self.events.jumps_looked_for = self.candidate_refreshes();
+    fn find_tooth_jumps(&mut self, t: f64) {
+        self.events.jumps_searched_at = self.candidate_refreshes();
         let jumps = &mut self.events.jumps;
-        self.kernels.look_for_jumps(&self.model, t, jumps);
+        self.kernels.find_tooth_jumps(&self.model, t, jumps);
     }
 
     /// Return the tooth jumps since the start of the run, in the order of time.
@@ -223,69 +226,62 @@ impl Dynamics {
         self.events.jumps.jumps()
     }
 
-    /// Record contact onsets and ends of hinges in the last step.
-    fn find_hinge_onsets(&mut self, adams: &Adams, step: &Step) {
-        let model = &self.model;
+    /// Record contact onsets and ends of the last step that leave a difference between its two ends.
+    fn find_events_between_ends(&mut self, adams: &Adams, step: &Step) {
+        let (model, memory, kernels) = (&self.model, &self.memory, &self.kernels);
+        let ContactEvents { begun, ended, .. } = &mut self.events;
         // Penetration without memory: contact onset in this step. Memory without penetration: contact end.
-        for (k, &depth) in self.kernels.hinge_depths(model).iter().enumerate() {
+        let mut compare = |contact, depth: f64| {
             let touching = depth > 0.0;
-            if touching == (self.memory.hinge_impact_velocity()[k] > 0.0) {
-                continue;
-            }
-            if touching {
-                let path = HingePath::new(model, adams, k);
-                let (_, rate) = onset_in_step(|t| path.at(t), step.start, step.end);
-                self.memory.begin_hinge(k, rate);
-            } else {
-                self.events.parted.push(ContactId::Hinge(k));
-            }
-        }
-    }
-
-    /// Record contact onsets and ends of bushings in their rollers in the last step.
-    fn find_roller_onsets(&mut self, adams: &Adams, step: &Step) {
-        let model = &self.model;
-        for (k, &depth) in self.kernels.roller_depths(model).iter().enumerate() {
-            let touching = depth > 0.0;
-            if touching == (self.memory.roller_impact_velocity()[k] > 0.0) {
-                continue;
-            }
-            if !touching {
-                self.events.parted.push(ContactId::Roller(k));
-            } else if let Some(path) = RollerPath::new(model, adams, k) {
-                let (_, rate) = onset_in_step(|t| path.at(t), step.start, step.end);
-                self.memory.begin_roller(k, rate);
-            }
-        }
-    }
-
-    /// Record contact onsets, with their surfaces, and contact ends of teeth in the last step.
-    fn find_tooth_onsets(&mut self, adams: &Adams, step: &Step) {
-        let model = &self.model;
-        let mut begun = std::mem::take(&mut self.events.begun);
-        let memory = &mut self.memory;
-        let contacts = self.kernels.tooth_contacts(model);
-        contacts.for_each(|(s, k, depth, _)| {
-            let pair = s * model.links + k;
-            let touching = depth > 0.0;
-            if touching == (memory.tooth_impact_velocity[pair] > 0.0) {
+            if touching == memory.has(contact) {
                 return;
             }
             if touching {
-                let path = ToothPath::new(model, adams, k, s);
-                let contact = |t| path.at(t).contact;
-                let (t, rate) = onset_in_step(contact, step.start, step.end);
-                memory.begin_tooth(pair, rate, path.at(t).surface);
-                begun.push((s, k));
+                begun.extend(Onset::locate((model, adams, step), contact, None));
             } else {
-                self.events.parted.push(ContactId::Tooth(pair));
+                ended.push(contact);
             }
-        });
-        for (s, k) in begun.drain(..) {
-            self.kernels
-                .candidates
-                .update_memory(model, &self.memory, s, k);
+        };
+        let [hinges, rollers, teeth] = kernels.changes();
+        if hinges {
+            for (k, &depth) in kernels.hinge_depths(model).iter().enumerate() {
+                compare(ContactId::Hinge(k), depth);
+            }
         }
-        self.events.begun = begun;
+        if rollers {
+            for (k, &depth) in kernels.roller_depths(model).iter().enumerate() {
+                compare(ContactId::Roller(k), depth);
+            }
+        }
+        if teeth {
+            let contacts = kernels.tooth_contacts(model);
+            contacts.for_each(|(s, k, depth, _)| {
+                compare(ContactId::Tooth(s * model.links + k), depth);
+            });
+        }
+        self.begin_located_contacts();
+    }
+
+    /// Record the located onsets; keep the memory of contacts that have one.
+    pub(super) fn begin_located_contacts(&mut self) {
+        let ContactEvents {
+            begun, restarted, ..
+        } = &mut self.events;
+        let (memory, candidates) = (&mut self.memory, &mut self.kernels.candidates);
+        for onset in begun.drain(..) {
+            let contact = onset.contact;
+            let impact_velocity = memory.impact_velocity(contact);
+            if impact_velocity > 0.0 {
+                restarted.push(Restart {
+                    contact,
+                    time: onset.time,
+                    impact_velocity,
+                    surface: memory.surface(contact),
+                });
+            }
+            memory.begin(contact, onset.rate);
+            memory.set_surface(contact, onset.surface);
+            candidates.update_memory(&self.model, memory, contact);
+        }
     }
 }

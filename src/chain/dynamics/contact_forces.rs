@@ -42,7 +42,7 @@ impl Dynamics {
             .map(|(force, name)| format!("{name} pressed by {force:.3e} N"))
     }
 
-    /// Write the normal force of every hinge at the last evaluation of the right-hand side \[N\].
+    /// Write the force of every hinge that rows have, at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_hinge_forces(&self, forces: &mut [f64]) {
         for (to, force) in forces
             .iter_mut()
@@ -92,7 +92,7 @@ impl Dynamics {
     /// Return penetration \[m\] (zero where apart) and normal force \[N\] of every hinge at the last evaluation of the right-hand side.
     pub fn hinge_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
         let (kernels, model) = (&self.kernels, &self.model);
-        let forces = kernels.hinge_forces(model);
+        let forces = kernels.normal_hinge_forces(model);
         kernels.hinge_depths(model).iter().copied().zip(forces)
     }
 

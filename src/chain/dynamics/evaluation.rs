@@ -1,10 +1,11 @@
 //! Evaluations for reports: motion of all bodies, contacts, bristles and accelerations at one instant.
 
-use super::{Bristles, Dynamics, Needs, Powers};
+use super::{Bristles, Dynamics, Powers};
+use crate::chain::contact::ContactId;
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
 use crate::chain::report::{
-    Accelerations, HingeContacts, ReportKernels, RollerContacts, ToothContacts,
+    Accelerations, HingeContacts, OutputRequest, ReportKernels, RollerContacts, ToothContacts,
 };
 
 /// Results of the last evaluation for a report.
@@ -25,6 +26,16 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
+    /// Return penetration \[m\] and penetration rate \[m/s\] of a contact. The rate is valid for teeth within reach only.
+    pub(super) fn penetration_and_rate(&self, contact: ContactId) -> (f64, f64) {
+        let (penetration, rate, i) = match contact {
+            ContactId::Hinge(k) => (&self.hinges.penetration, &self.hinges.rate, k),
+            ContactId::Roller(k) => (&self.rollers.penetration, &self.rollers.rate, k),
+            ContactId::Tooth(pair) => (&self.teeth.penetration, &self.teeth.rate, pair),
+        };
+        (penetration[i], rate[i])
+    }
+
     /// Allocate the results for `model`.
     pub(super) fn new(model: &Model) -> Self {
         let (links, sprockets) = (model.links, model.sprockets.len());
@@ -89,10 +100,10 @@ impl Dynamics {
         powers.unwrap_or_default()
     }
 
-    /// Evaluate the outputs requested by `needs` at (`t`, `y`). Other outputs are undefined afterwards.
-    pub(crate) fn evaluate_for(&mut self, needs: Needs, t: f64, y: &[f64]) {
+    /// Evaluate the outputs of `request` at (`t`, `y`). Other outputs are undefined afterwards.
+    pub(crate) fn evaluate_for(&mut self, request: OutputRequest, t: f64, y: &[f64]) {
         self.evaluated.motion.read(&self.model, t, y);
-        if !needs.hinges && !needs.teeth {
+        if !request.hinges && !request.teeth {
             return;
         }
         self.evaluated.bristles.read(&self.model, y);
@@ -101,27 +112,27 @@ impl Dynamics {
             accelerations,
             ..
         } = &mut *self.reader;
-        if needs.teeth {
+        if request.teeth {
             kernels.candidates.copy(&self.kernels.candidates);
         }
         let (model, memory, motion) = (&self.model, &self.memory, &self.evaluated.motion);
-        if needs.hinges && model.hinges.ideal {
+        if request.hinges && model.hinges.ideal {
             // Forces of ideal hinges follow from the accelerations.
             kernels.keep_powers(false);
             kernels.evaluate_placed(model, memory, (motion, t), y, accelerations);
         } else {
-            kernels.evaluate_contacts(model, memory, motion, (y, accelerations), needs.teeth);
+            kernels.evaluate_contacts(model, memory, motion, (y, accelerations), request.teeth);
         }
-        if needs.sprocket_loads {
+        if request.sprocket_loads {
             self.evaluated
                 .accelerations
                 .chain
                 .copy_from_slice(kernels.sprocket_loads());
         }
-        if needs.hinges {
+        if request.hinges {
             self.read_hinges();
         }
-        if needs.teeth {
+        if request.teeth {
             self.read_teeth();
         }
     }

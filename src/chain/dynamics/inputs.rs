@@ -62,7 +62,7 @@ impl Dynamics {
         let mut y = vec![0.0; adams.y().len()];
         adams.interpolate(t, &mut y);
         self.unbend_open(t, &mut y);
-        self.turn_back(Arc::new(model), t, &y);
+        self.roll_back(Arc::new(model), t, &y);
         adams.restart_with_corrector(t, &y);
         self.inputs.kink = f64::NEG_INFINITY;
         Ok(true)

@@ -1,6 +1,7 @@
 //! Contacts beyond the end of their force law: the first hinge or roller, and the first tooth contact, with a message each.
 
-use super::{Dynamics, Needs};
+use super::Dynamics;
+use crate::chain::report::OutputRequest;
 use crate::force_law::{Elastic, ElasticLaw, Regions};
 use crate::geometry::Surface;
 use crate::integrator::Adams;
@@ -16,7 +17,7 @@ pub(super) struct PastRanges {
 
 impl Dynamics {
     /// Record the first joint and the first tooth contact beyond the end of their law at the end of a step.
-    pub(super) fn watch_ranges(&mut self, adams: &Adams) {
+    pub(super) fn note_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
         if self.past_ranges.hinge.is_none() {
             let hinges = self.kernels.hinge_depths(model);
@@ -36,16 +37,16 @@ impl Dynamics {
         }
     }
 
-    /// Record the same for the last evaluation, that of a report with `needs`: penetrations inside a step may exceed those at its ends.
-    pub(crate) fn watch_reported_ranges(&mut self, needs: Needs) {
-        if needs.hinges && self.past_ranges.hinge.is_none() {
+    /// Record the same for the last evaluation, that of a report of `request`: penetrations inside a step may exceed those at its ends.
+    pub(crate) fn note_reported_ranges(&mut self, request: OutputRequest) {
+        if request.hinges && self.past_ranges.hinge.is_none() {
             let (hinges, rollers) = (
                 &self.evaluated.hinges.penetration,
                 &self.evaluated.rollers.penetration,
             );
             self.past_ranges.hinge = self.joint_past_its_end(hinges, rollers);
         }
-        if needs.teeth
+        if request.teeth
             && self.past_ranges.tooth.is_none()
             && self.model.teeth.law.elastic.has_an_end()
         {

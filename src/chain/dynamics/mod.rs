@@ -14,10 +14,8 @@ mod implicit;
 mod in_step_events;
 mod inputs;
 mod law_ranges;
-mod loads;
-mod output_request;
-mod powers;
 mod rollback;
+mod rows;
 mod start_checks;
 mod system;
 
@@ -26,20 +24,18 @@ use std::sync::Arc;
 
 pub use bristles::{Bristles, Stored};
 pub use checkpoint::Checkpoint;
-use contact_events::{ContactEvents, ContactId};
+use contact_events::ContactEvents;
 pub use evaluation::Evaluation;
 use inputs::Inputs;
 use law_ranges::PastRanges;
-pub use loads::SprocketLoad;
-pub(crate) use loads::{Moves, outside_powers, sprocket_acceleration};
-pub(crate) use output_request::Needs;
-pub use powers::{Losses, Powers};
 #[cfg(feature = "python")]
 pub(crate) use start_checks::check_rows;
 pub(crate) use start_checks::check_start;
 
 use crate::chain::contact::ImpactMemory;
+pub use crate::chain::loads::SprocketLoad;
 use crate::chain::model::Model;
+pub use crate::chain::powers::{Losses, Powers};
 use crate::chain::report::ReportKernels;
 use crate::chain::rhs::Kernels;
 use crate::integrator::OdeSystem;
@@ -204,9 +200,10 @@ impl Dynamics {
 impl OdeSystem for Dynamics {
     /// Screen the step for contact events; reject it if a contact that is open at both ends was deeper inside than `allowed` \[m\].
     fn accepts_step(&mut self, length: f64, allowed: f64) -> bool {
-        let watched = self.kernels.watch(&self.model, length);
-        (self.events.event_possible, self.events.fastest) = (watched.event_possible, watched.speed);
-        let accepts = !watched.event_possible || self.deepest_unseen(length) <= allowed;
+        let screened = self.kernels.screen(&self.model, length);
+        (self.events.event_possible, self.events.fastest) =
+            (screened.event_possible, screened.speed);
+        let accepts = !screened.event_possible || self.deepest_in_step_contact(length) <= allowed;
         // An explicit step evaluates its solution after this: what is screened is the end of the step.
         self.kernels.write_gaps(!accepts);
         accepts

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::energy::prescribed_energy;
+use super::rows::{HINGES, ROLLERS, write_row};
 use super::{Checkpoint, Dynamics, Losses, Powers};
 use crate::chain::model::{CompiledContactLaw, Model};
-use crate::chain::report::{self, Groups, HINGES, ROLLERS};
+use crate::chain::report::{self, Groups};
 use crate::error::Result;
 use crate::force_law::{Friction, LuGre, Regions};
 use crate::integrator::{Adams, OdeSystem, Step};
@@ -40,7 +41,7 @@ impl System for Dynamics {
 
     fn begin_step(&mut self, adams: &mut Adams) {
         self.follow_with_pawls(adams.y());
-        self.unbend_parted(adams);
+        self.reset_bristles_of_ended_contacts(adams);
         self.forget_ended_contacts();
         self.restart_at_kink_of_end(adams);
         self.place_ends_on_their_curves(adams);
@@ -91,8 +92,8 @@ impl System for Dynamics {
         let counts = self.memory.counts();
         EventCounts {
             onsets: counts.onsets,
-            onsets_at_floor: counts.at_floor,
-            unseen_touches: self.unseen_touches(),
+            onsets_at_minimum_velocity: counts.at_minimum,
+            in_step_contacts: self.in_step_contacts(),
         }
     }
 
@@ -120,7 +121,7 @@ impl System for Dynamics {
         self.quadrature.energies(t)
     }
 
-    fn meter_evaluations(&self) -> u64 {
+    fn energy_evaluations(&self) -> u64 {
         self.quadrature.evaluations()
     }
 
@@ -215,17 +216,17 @@ impl System for Dynamics {
     }
 
     fn evaluate_report(&mut self, adams: &Adams, t: f64, groups: Groups) {
-        let needs = groups.needs(&self.model);
+        let request = groups.request(&self.model);
         let mut y = std::mem::take(&mut self.inside);
         adams.interpolate(t, &mut y);
-        self.evaluate_for(needs, t, &y);
+        self.evaluate_for(request, t, &y);
         self.inside = y;
-        self.watch_reported_ranges(needs);
+        self.note_reported_ranges(request);
     }
 
     fn write_row(&mut self, row: &mut Row, t: f64, groups: Groups) {
         let mut forces = std::mem::take(&mut self.tooth_forces);
-        report::write_row(row, self, t, groups, &mut forces);
+        write_row(row, self, t, groups, &mut forces);
         self.tooth_forces = forces;
     }
 

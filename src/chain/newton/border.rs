@@ -1,8 +1,8 @@
 //! Coordinates of the sprockets on the border of Newton's matrix, and the small dense system of the border.
 
 use super::tooth_motion::BorderMotion;
+use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
-use crate::chain::rhs::pose::SprocketPose;
 use crate::math::dense::Dense;
 
 /// Coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.

@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::blocks::Symmetric;
 use super::contacts::scaled;
 use super::spatial::Spatial;
-use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
+use crate::chain::arrays::slopes::{FrictionGroup, SlopeGroup};
 use crate::math::simd::{Lanes, Mask, Pack8, read};
 
 /// Return the stiffness of bores without friction, α n n^T + η t t^T: xx, yy, xy; zero without contact.

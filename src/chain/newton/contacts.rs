@@ -16,7 +16,7 @@
 use pulp::Simd;
 
 use super::ring::{HingeBlocks, own_packs};
-use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
+use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
 use crate::math::simd::{
     Lanes, Numbers, WIDTH, packs_mut, padded_zeros, parts, put_part, read, vectors_mut,
 };

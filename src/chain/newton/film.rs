@@ -8,7 +8,7 @@ use pulp::Simd;
 
 use super::contacts::{BASE, FrictionArms, LEAST, LEAST_SHARE, LoadedHinges, scaled};
 use super::ring::{HingeBlocks, own_packs};
-use crate::chain::rhs::slopes::{ContactSlopes, FilmGroup};
+use crate::chain::arrays::slopes::{ContactSlopes, FilmGroup};
 use crate::math::simd::{Lanes, packs_mut, parts, put_part, read};
 
 /// Upper bound of xy²/(xx yy) in a block. Larger off-diagonal entries are set to zero, which keeps the block positive definite.

@@ -39,11 +39,11 @@ use ring::{HingeBlocks, Ring, hinge_numbers};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};
 
-use super::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use super::rhs::pose::SprocketPose;
-use super::rhs::slopes::Slopes;
+use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::arrays::pose::SprocketPose;
+use crate::chain::arrays::slopes::Slopes;
 use crate::chain::contact::Candidates;
-use crate::chain::dynamics::SprocketLoad;
+use crate::chain::loads::SprocketLoad;
 use crate::chain::model::Model;
 use crate::math::simd::{InstructionSet, Lanes, Numbers, Pack8, PartialSums, WIDTH, read};
 

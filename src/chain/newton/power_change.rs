@@ -8,11 +8,11 @@ use pulp::{Simd, WithSimd};
 
 use super::tooth_motion::BorderMotion;
 use super::{NewtonMatrix, SprocketMotions};
+use crate::chain::arrays::layout::{ChainArrays, LinkConstants};
+use crate::chain::arrays::pose::SprocketPose;
+use crate::chain::arrays::slopes::SlopeGroup;
 use crate::chain::contact::SprocketCandidates;
-use crate::chain::dynamics::SprocketLoad;
-use crate::chain::rhs::layout::{ChainArrays, LinkConstants};
-use crate::chain::rhs::pose::SprocketPose;
-use crate::chain::rhs::slopes::SlopeGroup;
+use crate::chain::loads::SprocketLoad;
 use crate::geometry::Vec2;
 use crate::math::simd::{
     Lanes, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded, padded_zeros, part_of,

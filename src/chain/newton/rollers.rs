@@ -15,8 +15,8 @@ use super::contacts::BASE;
 use super::links::{Border, LinkTerms};
 use super::roller_group::{OnTeeth, RollerGroup, RollerResidual};
 use super::teeth::ToothTerms;
+use crate::chain::arrays::slopes::ContactSlopes;
 use crate::chain::model::{Model, RollerModel};
-use crate::chain::rhs::slopes::ContactSlopes;
 use crate::math::simd::{
     Entries, EntriesMut, Lanes, Numbers, Pack8, PartialSums, WIDTH, load, padded_zeros, parts,
     read, vectors, vectors_mut, write,

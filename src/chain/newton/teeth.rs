@@ -6,9 +6,9 @@ use pulp::Simd;
 use super::border::Corner;
 use super::contacts::{BASE, scaled};
 use super::tooth_motion::{BorderMotion, MOST, ToothMotion};
+use crate::chain::arrays::pose::SprocketPose;
+use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
 use crate::chain::contact::SprocketCandidates;
-use crate::chain::rhs::pose::SprocketPose;
-use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
 use crate::math::simd::{
     Lanes, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded, padded_zeros, part_of,
     parts, put_part, read,

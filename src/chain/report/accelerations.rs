@@ -1,6 +1,6 @@
 //! Accelerations of all bodies, and loads of the chain on sprockets and ends, from the last evaluation of the kernels.
 
-use crate::chain::dynamics::{Moves, SprocketLoad, sprocket_acceleration};
+use crate::chain::loads::{SprocketKinematics, SprocketLoad, sprocket_acceleration};
 use crate::chain::model::{Model, Rotation};
 use crate::chain::motion::Motion;
 use crate::geometry::Vec2;
@@ -53,7 +53,7 @@ impl Accelerations {
         }
         for (s, sprocket) in model.sprockets.iter().enumerate() {
             let body = model.wheel_body(s);
-            let moves = Moves::of(motion, body);
+            let moves = SprocketKinematics::of(motion, body);
             let load = &self.chain[s];
             let (center, angle) =
                 sprocket_acceleration(sprocket, model.gravity, &moves, load, pawls[s], t);

@@ -1,6 +1,6 @@
 //! Groups of recorded channels.
 
-use crate::chain::dynamics::Needs;
+use super::output_request::OutputRequest;
 use crate::chain::model::{Model, Rotation};
 
 /// Selection of the recorded groups of channels of a drive.
@@ -21,13 +21,13 @@ pub struct Groups {
 
 impl Groups {
     /// Return the outputs of the dynamics of `model` that a row of these groups requires.
-    pub(crate) fn needs(self, model: &Model) -> Needs {
+    pub(crate) fn request(self, model: &Model) -> OutputRequest {
         // The torque of a prescribed speed follows from the tooth forces; an applied torque is independent of them.
         let prescribed = |rotation: &Rotation| matches!(rotation, Rotation::Prescribed(_));
         let sprocket_loads =
             self.sprockets && model.sprockets.iter().any(|s| prescribed(&s.rotation));
         // The elastic energy needs the penetrations of all contacts, the energy stored in bristles their forces.
-        Needs {
+        OutputRequest {
             hinges: self.hinges || self.energy,
             teeth: self.teeth || sprocket_loads || self.energy || self.hinges && model.hinges.ideal,
             sprocket_loads,

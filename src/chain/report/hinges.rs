@@ -2,9 +2,9 @@
 
 use pulp::{Simd, WithSimd};
 
+use crate::chain::arrays::layout::ChainArrays;
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
-use crate::chain::rhs::layout::ChainArrays;
 use crate::drive::bushing_on_front;
 use crate::geometry::Vec2;
 use crate::math::simd::InstructionSet;
@@ -26,6 +26,8 @@ pub struct HingeContacts {
     pub rate: Vec<f64>,
     /// Normal force \[N\].
     pub force: Vec<f64>,
+    /// Size of the whole force with lubricant \[N\]; empty without.
+    lubricated_force: Vec<f64>,
     /// Force on the front end of link k, x and y \[N\]: film - normal force · n - friction · n turned left.
     pub on_front: [Vec<f64>; 2],
     /// Force of the lubricant film on the front end of link k, x and y \[N\]; zero without a film.
@@ -53,6 +55,7 @@ impl HingeContacts {
             penetration: zeros(),
             rate: zeros(),
             force: zeros(),
+            lubricated_force: Vec::with_capacity(links),
             on_front: points(),
             film: points(),
         }
@@ -78,6 +81,21 @@ impl HingeContacts {
             chain,
             hinges: self,
         });
+        if model.hinges.film.is_some() {
+            self.lubricated_force.clear();
+            let sizes = pairs(&self.on_front).map(|[x, y]| x.hypot(y));
+            self.lubricated_force.extend(sizes);
+        }
+    }
+
+    /// Return the size of the force of every hinge that rows have \[N\]: the normal force, or the whole force with lubricant.
+    #[must_use]
+    pub fn recorded_forces(&self) -> &[f64] {
+        if self.lubricated_force.is_empty() {
+            &self.force
+        } else {
+            &self.lubricated_force
+        }
     }
 
     /// Take the forces of ideal hinges on fronts \[N\] in the place of those of contacts.
@@ -129,7 +147,7 @@ fn at([x, y]: &[Vec<f64>; 2], k: usize) -> Vec2 {
 }
 
 /// Return the vectors of these arrays.
-pub(super) fn pairs([x, y]: &[Vec<f64>; 2]) -> impl Iterator<Item = [f64; 2]> {
+pub(crate) fn pairs([x, y]: &[Vec<f64>; 2]) -> impl Iterator<Item = [f64; 2]> {
     x.iter().zip(y).map(|(&x, &y)| [x, y])
 }
 

@@ -1,16 +1,14 @@
-//! Report quantities of a drive: contacts and accelerations for reports, energies, law warnings, contacts at a start, and recorded rows.
+//! Report quantities of a drive: contacts and accelerations for reports, and names of the recorded channels.
 //!
 //! Reports have separate kernels and arrays. A report inside a step therefore does not change the data of the step: candidate list and
 //! gaps, contact onsets and ends, and the bristles of the implicit stage.
 
 mod accelerations;
 mod channels;
-mod contact_rows;
-mod end_rows;
 mod groups;
 mod hinges;
+mod output_request;
 mod rollers;
-mod rows;
 mod teeth;
 
 use crate::chain::contact::Candidates;
@@ -21,8 +19,9 @@ pub use accelerations::Accelerations;
 pub(crate) use channels::channels;
 pub use groups::Groups;
 pub use hinges::HingeContacts;
+pub(crate) use hinges::pairs;
+pub(crate) use output_request::OutputRequest;
 pub use rollers::RollerContacts;
-pub(crate) use rows::{HINGES, ROLLERS, write_row};
 pub use teeth::ToothContacts;
 
 /// Kernels for reports, and their scratch arrays.

@@ -4,9 +4,9 @@ use pulp::{Simd, WithSimd};
 
 use super::HingeContacts;
 use super::hinges::{pairs, write_bores, write_contact_forces};
+use crate::chain::arrays::layout::ChainArrays;
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
-use crate::chain::rhs::layout::ChainArrays;
 use crate::math::simd::InstructionSet;
 
 /// Contacts of all rollers on their bushings; empty where rollers are no bodies of their own.

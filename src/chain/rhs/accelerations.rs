@@ -1,9 +1,9 @@
 //! Accelerations of all bodies from the forces of one evaluation: links, rollers, sprockets, and prescribed ends of an open chain.
 
 use super::Kernels;
-use super::layout::FIRST;
 use super::link_accelerations::{AccelerateLinks, AccelerateRollers};
-use crate::chain::dynamics::sprocket_acceleration;
+use crate::chain::arrays::layout::FIRST;
+use crate::chain::loads::sprocket_acceleration;
 use crate::chain::model::{Model, OpenEnds, Rotation, Support};
 use crate::geometry::Vec2;
 
@@ -103,7 +103,7 @@ impl Kernels {
             {
                 continue;
             }
-            let moves = pose.moves();
+            let moves = pose.kinematics();
             let (center, angle) =
                 sprocket_acceleration(sprocket, model.gravity, &moves, load, pawl, t);
             match sprocket.support {

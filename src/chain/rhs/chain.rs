@@ -7,7 +7,7 @@ mod rollers;
 
 use pulp::{Simd, WithSimd};
 
-use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
     Lanes, Pack, WIDTH, lane_numbers, load, packs, packs_mut, partial_load, sin_cos, vectors,
     vectors_mut,

@@ -45,8 +45,21 @@ impl Kernels {
         rollers.map_or(&[], |rollers| &rollers.arrays.force[..model.links])
     }
 
-    /// Return the normal force of each hinge at the last evaluation, or the force of each ideal one \[N\].
+    /// Return the force of each hinge that rows have, at the last evaluation \[N\]: the normal force, or with lubricant the whole force.
     pub(crate) fn hinge_forces(&self, model: &Model) -> impl Iterator<Item = f64> {
+        let lubricated = model.hinges.film.is_some();
+        let forces = self.normal_hinge_forces(model).enumerate();
+        forces.map(move |(k, force)| {
+            if lubricated {
+                self.chain.lubricated_force[k]
+            } else {
+                force
+            }
+        })
+    }
+
+    /// Return the normal force of each hinge at the last evaluation, or the force of each ideal one \[N\].
+    pub(crate) fn normal_hinge_forces(&self, model: &Model) -> impl Iterator<Item = f64> {
         (0..model.links).map(|k| match &self.ideal {
             Some(ideal) => ideal.force[0][k].hypot(ideal.force[1][k]),
             None => self.chain.force[k],
@@ -74,7 +87,7 @@ impl Kernels {
     }
 
     /// Detect jumps over the teeth of any sprocket at the last evaluation, which was at time `t` \[s\].
-    pub(crate) fn look_for_jumps(&mut self, model: &Model, t: f64, jumps: &mut ToothJumps) {
+    pub(crate) fn find_tooth_jumps(&mut self, model: &Model, t: f64, jumps: &mut ToothJumps) {
         for s in 0..model.toothed() {
             let (sprocket, frame) = (&model.sprockets[s], self.sprocket_frame(s));
             let limit = sprocket.seated_within();

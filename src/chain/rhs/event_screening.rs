@@ -12,8 +12,8 @@ use pulp::{Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::Kernels;
-use super::layout::ChainArrays;
-use crate::chain::contact::{BushingRun, Candidates, SprocketCandidates};
+use crate::chain::arrays::layout::ChainArrays;
+use crate::chain::contact::{BushingRun, Candidates, ContactId, SprocketCandidates};
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 use crate::math::simd::{
@@ -60,7 +60,7 @@ impl StepEndStates {
 
 /// Event screening of all hinges and candidates over successive steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Watch {
+pub(crate) struct EventScreening {
     pub(super) hinges: StepEndStates,
     /// Contacts between bushings and rollers; empty where rollers are no bodies of their own.
     pub(super) rollers: StepEndStates,
@@ -72,7 +72,7 @@ pub(crate) struct Watch {
     list: u64,
 }
 
-impl Watch {
+impl EventScreening {
     /// Allocate the arrays for `model`.
     pub(super) fn new(model: &Model) -> Self {
         let slots = Candidates::most_slots(model);
@@ -131,27 +131,23 @@ impl Watch {
         self.teeth.iter_mut().for_each(StepEndStates::advance);
     }
 
-    /// Return signed depth and rate of hinge `k` at both ends of the step.
-    pub(crate) fn hinge(&self, k: usize) -> [[f64; 2]; 2] {
-        self.hinges.of(k)
-    }
-
-    /// Return signed depth and rate of bushing `k` in its roller at both ends of the step.
-    pub(crate) fn roller(&self, k: usize) -> [[f64; 2]; 2] {
-        self.rollers.of(k)
-    }
-
-    /// Return sprocket, bushing, and signed depth and rate at both ends of the step for every candidate.
-    pub(crate) fn candidates(
+    /// Return signed depth and rate at both ends of the step for all hinges, rollers and candidates.
+    pub(crate) fn contacts(
         &self,
-        links: usize,
-    ) -> impl Iterator<Item = (usize, usize, [[f64; 2]; 2])> {
+        model: &Model,
+    ) -> impl Iterator<Item = (ContactId, [[f64; 2]; 2])> {
+        let links = model.links;
+        let hinges = (0..links).map(|k| (ContactId::Hinge(k), self.hinges.of(k)));
+        let rollers = 0..model.roller_count();
+        let rollers = rollers.map(|k| (ContactId::Roller(k), self.rollers.of(k)));
         let sprockets = self.runs.iter().zip(&self.teeth).enumerate();
-        sprockets.flat_map(move |(s, (runs, ends))| {
+        let teeth = sprockets.flat_map(move |(s, (runs, ends))| {
             runs.iter().flat_map(move |run| {
-                (0..run.length).map(move |i| (s, run.bushing(i, links), ends.of(run.slot + i)))
+                let pair = move |i| ContactId::Tooth(s * links + run.bushing(i, links));
+                (0..run.length).map(move |i| (pair(i), ends.of(run.slot + i)))
             })
-        })
+        });
+        hinges.chain(rollers).chain(teeth)
     }
 
     /// Return the values at the end of the step of the candidates of sprocket `s`, for an evaluation that writes them.
@@ -213,7 +209,7 @@ fn may_have_event<S: Simd>(
 
 /// Result of event screening.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Watched {
+pub(crate) struct Screened {
     /// Whether an event inside the step is possible.
     pub(crate) event_possible: bool,
     /// Upper bound of the speed of the bushings relative to any tooth \[m/s\].
@@ -297,10 +293,12 @@ fn two<S: Simd>(simd: S, arrays: [&[S::f64s]; 2], i: usize) -> [Lanes<S>; 2] {
 
 impl Kernels {
     /// Screen all contacts for events in a step of `length` \[s\]. The last evaluation must be at its end, see the module.
-    pub(crate) fn watch(&mut self, model: &Model, length: f64) -> Watched {
+    pub(crate) fn screen(&mut self, model: &Model, length: f64) -> Screened {
         let n = model.links;
-        let Self { watch, rollers, .. } = self;
-        watch.follow(&self.candidates, n, &mut self.spare_slots);
+        let Self {
+            screening, rollers, ..
+        } = self;
+        screening.follow(&self.candidates, n, &mut self.spare_slots);
         let rollers = rollers.as_ref().zip(model.rollers.as_ref());
         let event_possible = self.instructions.run(Screen {
             length,
@@ -308,14 +306,14 @@ impl Kernels {
             hinges: JointEnds {
                 clearance: model.hinges.clearance,
                 arrays: &self.chain,
-                ends: &mut watch.hinges,
+                ends: &mut screening.hinges,
             },
             rollers: rollers.map(|(rollers, of)| JointEnds {
                 clearance: of.clearance,
                 arrays: &rollers.arrays,
-                ends: &mut watch.rollers,
+                ends: &mut screening.rollers,
             }),
-            teeth: &watch.teeth,
+            teeth: &screening.teeth,
             candidates: &self.candidates.sprockets,
         });
         let mut rim: f64 = 0.0;
@@ -324,15 +322,15 @@ impl Kernels {
             let center_speed = Vec2::from(pose.velocity).norm();
             rim = rim.max(center_speed + pose.spin.abs() * sprocket.reach);
         }
-        Watched {
+        Screened {
             event_possible,
             speed: self.speed_squared.sqrt() + rim,
         }
     }
 
     /// Begin the next step: its start is the end of this one.
-    pub(crate) fn advance_watch(&mut self) {
-        self.watch.advance();
+    pub(crate) fn advance_screening(&mut self) {
+        self.screening.advance();
         self.write_gaps(true);
     }
 }

@@ -123,7 +123,7 @@ pub(crate) trait Gap<S: Simd> {
         place: &InGap<S>,
     ) -> (Lanes<S>, [Lanes<S>; 2], Lanes<S>);
 
-    /// Return the gap as defined in [`watch`](super::event_screening), and its rate for bushings with `velocity` relative to the
+    /// Return the gap as defined in [event screening](super::event_screening), and its rate for bushings with `velocity` relative to the
     /// sprocket.
     fn gap_and_rate(
         &self,

@@ -13,7 +13,7 @@ use pulp::{Simd, WithSimd};
 
 use super::Kernels;
 use super::chain::WriteDirections;
-use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::model::Model;
 use crate::math::simd::{Numbers, WIDTH, padded_zeros};
 

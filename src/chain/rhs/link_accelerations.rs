@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
     Lanes, WIDTH, both, load, packs, part_of, parts, put_part, splat_two, vectors,
 };

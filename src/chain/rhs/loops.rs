@@ -5,9 +5,9 @@ use super::chain::{
     ChainFound, EvaluateHinges, EvaluateRollers, HingeFriction, Joints, Lubricant, RepeatBushings,
 };
 use super::gap::{GapForm, ToothConstants};
-use super::slopes::Slopes;
 use super::teeth::{EvaluateTeeth, TeethFound, ToothFriction};
 use super::{Kernels, on_teeth};
+use crate::chain::arrays::slopes::Slopes;
 use crate::chain::contact::ImpactMemory;
 use crate::chain::model::{Model, RollerModel};
 use crate::chain::newton::NewtonMatrix;
@@ -67,7 +67,7 @@ impl Kernels {
             law_constants: law.pairs.pairs()[0],
             clearance: model.hinges.clearance,
             lambda: law.lambda,
-            floor: model.min_impact_velocity,
+            minimum: model.min_impact_velocity,
             inverse_impact_velocity: memory.hinge_inverse_impact_velocity(),
             reference: &self.candidates.reference,
             powers: self.keeps_powers,
@@ -134,7 +134,7 @@ impl Kernels {
             law_constants: of.law.pairs.pairs()[0],
             clearance: of.clearance,
             lambda: of.law.lambda,
-            floor: model.min_impact_velocity,
+            minimum: model.min_impact_velocity,
             inverse_impact_velocity: memory.roller_inverse_impact_velocity(),
             reference: &self.candidates.reference,
             powers: self.keeps_powers,
@@ -227,13 +227,13 @@ impl Kernels {
                         keeps_stiffness,
                         pose: &self.poses[s],
                         lambda: law.lambda,
-                        floor: model.min_impact_velocity,
+                        minimum: model.min_impact_velocity,
                         links,
                         arrays,
                         candidates: &mut self.candidates.sprockets[s],
                         powers: self.keeps_powers,
                         slopes,
-                        ends: self.watch.tooth_ends(s),
+                        ends: self.screening.tooth_ends(s),
                         writes_ends: self.writes_gaps,
                         friction,
                         bristles,

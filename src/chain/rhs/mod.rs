@@ -16,29 +16,27 @@ mod event_screening;
 pub(crate) mod gap;
 mod ideal_hinges;
 mod implicit;
-pub(crate) mod layout;
 mod link_accelerations;
 mod loops;
-pub(crate) mod pose;
 mod readout;
-pub(crate) mod slopes;
 mod surface_table;
 mod teeth;
 
+use crate::chain::arrays::layout::{ChainArrays, LinkConstants};
+use crate::chain::arrays::pose::SprocketPose;
 use bristles::{BristleState, ContactKind};
 use chain::Rollers;
-pub(crate) use event_screening::Watch;
+pub(crate) use event_screening::EventScreening;
 use gap::ToothConstants;
 use ideal_hinges::IdealHinges;
-use layout::{ChainArrays, LinkConstants};
-use pose::SprocketPose;
 pub(crate) use readout::ToothReadings;
 
 use crate::chain::contact::{Candidates, ImpactMemory, Seated};
-use crate::chain::dynamics::{Losses, Powers, SprocketLoad, outside_powers};
+use crate::chain::loads::{SprocketLoad, outside_powers};
 use crate::chain::model::Model;
 use crate::chain::motion::sprocket_motion;
 use crate::chain::newton::NewtonMatrix;
+use crate::chain::powers::{Losses, Powers};
 use crate::geometry::Vec2;
 use crate::math::simd::{InstructionSet, Numbers, padded_zeros};
 
@@ -57,7 +55,7 @@ pub(crate) struct Kernels {
     rollers: Option<Box<Rollers>>,
     pub(crate) candidates: Candidates,
     /// Event screening: gaps at both ends of the last step.
-    pub(crate) watch: Watch,
+    pub(crate) screening: EventScreening,
     /// Scratch for the event screening: slots of a sprocket.
     spare_slots: Numbers,
     /// Constants of the teeth, one per kind of sprocket: sprockets with identical teeth share them.
@@ -108,7 +106,7 @@ impl Kernels {
             chain: ChainArrays::new(model),
             rollers: Rollers::of(model).map(Box::new),
             candidates: Candidates::new(model),
-            watch: Watch::new(model),
+            screening: EventScreening::new(model),
             spare_slots: padded_zeros(Candidates::most_slots(model)),
             teeth,
             kind,
@@ -217,7 +215,7 @@ impl Kernels {
             powers.external_work += ends.external_work(self.on_ends(ends), t);
         }
         for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads) {
-            let [dissipated, external] = outside_powers(sprocket, &pose.moves(), load, t);
+            let [dissipated, external] = outside_powers(sprocket, &pose.kinematics(), load, t);
             powers.dissipated += dissipated;
             powers.external_work += external;
         }

@@ -6,11 +6,11 @@
 use pulp::{Simd, WithSimd};
 
 use super::gap::{Gap, GapConstants, GapForm};
-use super::layout::ChainArrays;
-use super::pose::SprocketPose;
 use super::{Kernels, on_teeth};
+use crate::chain::arrays::layout::ChainArrays;
+use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::contact::{ImpactMemory, SprocketCandidates};
-use crate::chain::dynamics::SprocketLoad;
+use crate::chain::loads::SprocketLoad;
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
 use crate::geometry::Vec2;

@@ -6,9 +6,9 @@ use pulp::{Simd, WithSimd};
 
 use super::bristles::Bristling;
 use super::gap::{Gap, GapConstants, InGap};
-use super::layout::{ChainArrays, LinkConstants};
-use super::pose::SprocketPose;
-use super::slopes::{ContactSlopes, group_of};
+use crate::chain::arrays::layout::{ChainArrays, LinkConstants};
+use crate::chain::arrays::pose::SprocketPose;
+use crate::chain::arrays::slopes::{ContactSlopes, group_of};
 use crate::chain::contact::{BushingRun, SprocketCandidates};
 use crate::chain::model::SprocketModel;
 use crate::force_law::{
@@ -58,7 +58,7 @@ pub(crate) struct EvaluateTeeth<
     pub(crate) keeps_stiffness: bool,
     pub(crate) pose: &'a SprocketPose,
     pub(crate) lambda: f64,
-    pub(crate) floor: f64,
+    pub(crate) minimum: f64,
     pub(crate) links: &'a LinkConstants,
     pub(crate) arrays: &'a mut ChainArrays,
     pub(crate) candidates: &'a mut SprocketCandidates,
@@ -92,7 +92,7 @@ impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: 
             spin: splat(self.pose.spin),
             damping: RestitutionDamping {
                 lambda: splat(self.lambda),
-                floor: splat(self.floor),
+                minimum: splat(self.minimum),
             },
             keeps_stiffness: self.keeps_stiffness,
             powers: self.powers,

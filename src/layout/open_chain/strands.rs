@@ -32,10 +32,13 @@ impl OpenChainLayout<'_> {
         let gravity = self.drive.gravity.norm();
         // Without gravity the chain is laid with a fictitious one.
         let heavy = if gravity > 0.0 { gravity } else { 1.0 };
+        // Rollers are on the hinges. A link bears half of the one at each of its ends.
+        let roller = chain.roller.as_ref().map_or(0.0, |roller| roller.mass);
+        let rollers = f64::from(chain.strands) * roller;
         links
             .map(|i| HangingLink {
                 length: pitches[i],
-                weight: chain.strand_link(i).mass * heavy,
+                weight: (chain.strand_link(i).mass + rollers) * heavy,
             })
             .collect()
     }

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::projection::Projector;
+use crate::geometry::unit;
 
 /// Scaled residual of positions above which damped least squares precede Newton's iterations.
 const FAR: f64 = 1e-3;
@@ -15,9 +16,12 @@ const NEAR_AT_LAST: f64 = 1e3 * NEAR;
 const MOST_ROWS: usize = 600;
 /// Largest rotation of a body in one iteration \[rad\].
 const MOST_TURN: f64 = 0.5;
-/// Rotation of the bodies, of alternating sign, applied where the iterations stagnate \[rad\]. It leaves positions at which all
-/// corrections are perpendicular to the constraints.
+/// Displacement over the size of the mechanism, and rotation of alternating sign \[rad\], of the bodies where the iterations stagnate. They
+/// leave positions at which all corrections are perpendicular to the constraints.
 const NUDGE: f64 = 0.1;
+/// Angle between the displacements of two successive bodies \[rad\], the golden angle: no two of them are parallel, and few in line with a
+/// constraint.
+const NUDGE_TURN: f64 = 2.399_963_229_728_653;
 /// Largest number of iterations of damped least squares.
 const MOST_ITERATIONS: usize = 300;
 /// Largest number of damping factors tried in one iteration.
@@ -53,13 +57,14 @@ impl Projector<'_> {
             return true;
         }
         let mut nudged = placed;
-        for (k, angle) in nudged[..self.model.coordinates()]
-            .iter_mut()
-            .skip(2)
-            .step_by(3)
-            .enumerate()
-        {
-            *angle += if k % 2 == 0 { NUDGE } else { -NUDGE };
+        let size = self.model.size(self.frames);
+        let bodies = nudged[..self.model.coordinates()].chunks_exact_mut(3);
+        for (k, body) in (1_u32..).zip(bodies) {
+            let shift = NUDGE * size * unit(f64::from(k) * NUDGE_TURN);
+            let turn = if k % 2 == 1 { NUDGE } else { -NUDGE };
+            for (coordinate, change) in body.iter_mut().zip([shift.x, shift.y, turn]) {
+                *coordinate += change;
+            }
         }
         let missed = self.worst();
         let arrived = self.descend(t, &mut nudged, give_up);

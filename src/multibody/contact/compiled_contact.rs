@@ -344,8 +344,8 @@ impl CompiledContact {
     }
 
     /// Return whether the initial impact velocity in a memory is the minimum impact velocity of the law.
-    pub(crate) fn is_at_floor(&self, memory: Memory) -> bool {
-        self.pairs[memory.piece].is_at_floor(memory.speed)
+    pub(crate) fn is_at_minimum(&self, memory: Memory) -> bool {
+        self.pairs[memory.piece].is_at_minimum(memory.speed)
     }
 
     /// Return the impact velocity memory of a contact with its onset on `piece` at the penetration rate `rate` \[m/s\].

@@ -124,7 +124,10 @@ impl ContactStates {
     }
 
     /// Return the bristles of all sides without contact at the last evaluation.
-    pub(crate) fn parted_bristles(&self, model: &MechanismModel) -> impl Iterator<Item = usize> {
+    pub(crate) fn bristles_of_ended_contacts(
+        &self,
+        model: &MechanismModel,
+    ) -> impl Iterator<Item = usize> {
         let sides = self.side_states.iter().zip(&model.bristle_of_side);
         sides.filter_map(|(side_state, bristle)| {
             bristle.filter(|_| side_state.contact.penetration <= 0.0)
@@ -247,7 +250,7 @@ mod tests {
             // The disc has no bristle.
             states.side_states[0].contact.penetration = -0.1;
             states.side_states[1].contact.penetration = penetration;
-            let found: Vec<usize> = states.parted_bristles(&model).collect();
+            let found: Vec<usize> = states.bristles_of_ended_contacts(&model).collect();
             assert_eq!(found, parted);
         }
     }

@@ -30,19 +30,19 @@ pub(crate) struct Onset {
 pub(crate) struct OnsetNumbers {
     pub(crate) all: u64,
     /// Onsets slower than the minimum impact velocity.
-    pub(crate) at_floor: u64,
+    pub(crate) at_minimum: u64,
 }
 
 impl OnsetNumbers {
-    fn add(&mut self, at_floor: bool) {
+    fn add(&mut self, at_minimum: bool) {
         self.all += 1;
-        self.at_floor += u64::from(at_floor);
+        self.at_minimum += u64::from(at_minimum);
     }
 
     /// Remove an onset that lies after the time to which a run returns.
-    fn remove(&mut self, at_floor: bool) {
+    fn remove(&mut self, at_minimum: bool) {
         self.all = self.all.saturating_sub(1);
-        self.at_floor = self.at_floor.saturating_sub(u64::from(at_floor));
+        self.at_minimum = self.at_minimum.saturating_sub(u64::from(at_minimum));
     }
 }
 
@@ -55,8 +55,8 @@ pub(crate) struct Onsets {
 }
 
 impl Onsets {
-    fn add(&mut self, onset: Onset, at_floor: bool) {
-        self.numbers.add(at_floor);
+    fn add(&mut self, onset: Onset, at_minimum: bool) {
+        self.numbers.add(at_minimum);
         if let Some(onsets) = &mut self.unreported {
             onsets.push(onset);
         }
@@ -188,13 +188,13 @@ impl ContactStates {
         }
         self.begin_contact(motion.model, k, begun.piece, rate);
         let (contact, _) = motion.model.sides[k];
-        let at_floor = motion.model.contacts[contact].is_at_floor(self.memory[k]);
+        let at_minimum = motion.model.contacts[contact].is_at_minimum(self.memory[k]);
         let onset = Onset {
             time: t,
             contact,
             velocity: rate,
         };
-        onsets.add(onset, at_floor);
+        onsets.add(onset, at_minimum);
     }
 
     fn begin_contact(&mut self, model: &MechanismModel, k: usize, piece: usize, rate: f64) {
@@ -231,12 +231,12 @@ impl ContactStates {
                     let rate = side_state.contact.penetration_rate;
                     self.begin_contact(model, k, side_state.piece, rate);
                     self.note_place(k, side_state.place);
-                    onsets.numbers.add(contact.is_at_floor(self.memory[k]));
+                    onsets.numbers.add(contact.is_at_minimum(self.memory[k]));
                 }
                 continue;
             }
             if remembers && !before.is_in_contact() {
-                onsets.numbers.remove(contact.is_at_floor(self.memory[k]));
+                onsets.numbers.remove(contact.is_at_minimum(self.memory[k]));
             }
             if !at_end {
                 self.memory[k] = before;

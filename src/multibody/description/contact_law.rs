@@ -125,7 +125,7 @@ impl ContactLaw {
                 let pair = surfaces(field, radius, curvature, *length, *contact_modulus)?;
                 let damping = RestitutionDamping {
                     lambda: law.damping.lambda(*restitution),
-                    floor: *min_impact_velocity,
+                    minimum: *min_impact_velocity,
                 };
                 (
                     ElasticPair::prepare(law.elastic, &pair),
@@ -219,7 +219,7 @@ impl CompiledLaw {
                 1.0,
                 RestitutionDamping {
                     lambda: chi,
-                    floor: 1.0,
+                    minimum: 1.0,
                 },
             ),
             DampingPart::Restitution(damping) if onset > 0.0 => (1.0 / onset, damping),
@@ -251,14 +251,14 @@ impl CompiledLaw {
     /// memory.
     pub(crate) fn onset_speed(&self, rate: f64) -> f64 {
         match self.damping {
-            DampingPart::Restitution(damping) => rate.max(damping.floor),
+            DampingPart::Restitution(damping) => rate.max(damping.minimum),
             _ => rate.max(f64::MIN_POSITIVE),
         }
     }
 
     /// Return whether a stored initial impact velocity \[m/s\] is the lower bound of the law.
-    pub(crate) fn is_at_floor(&self, onset: f64) -> bool {
-        matches!(self.damping, DampingPart::Restitution(damping) if onset <= damping.floor)
+    pub(crate) fn is_at_minimum(&self, onset: f64) -> bool {
+        matches!(self.damping, DampingPart::Restitution(damping) if onset <= damping.minimum)
     }
 }
 

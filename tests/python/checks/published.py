@@ -150,7 +150,7 @@ def steps(nikravesh, enhanced):
 def slow_onsets(nikravesh):
     """Return the range of the share of onsets below the minimum impact velocity."""
     test = f"{FILE}::test_many_contacts_begin_slowly"
-    share = nikravesh.stats["onsets_at_floor"] / nikravesh.stats["onsets"]
+    share = nikravesh.stats["onsets_at_minimum_velocity"] / nikravesh.stats["onsets"]
     name = "onsets below the minimum impact velocity over all onsets, LN"
     return [Range(name, share, 0.1, 0.35, test)]  # 0.22
 

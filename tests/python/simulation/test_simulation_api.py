@@ -147,7 +147,7 @@ def test_a_script_with_every_name_of_the_public_face_runs(tmp_path, monkeypatch)
     assert result.status == "finished"
     assert isinstance(result.message, str)
     assert result.success
-    assert {"steps", "rejected", "evaluations", "onsets", "onsets_at_floor"} <= result.stats.keys()
+    assert {"steps", "rejected", "evaluations", "onsets", "onsets_at_minimum_velocity"} <= result.stats.keys()
     assert any(key.startswith("wall_") for key in result.stats)
     assert result.to_xarray().sizes["time"] == len(result.to_pandas()) == times
     result.save("run.nc")
@@ -370,7 +370,7 @@ def test_counts_add_up():
     simulation = rc.Simulation(rc.paper_drive())
     stats = simulation.run(END, progress=False).stats
     assert stats["evaluations"] == 1 + 2 * stats["steps"] + stats["rejected"]
-    assert 0 < stats["onsets_at_floor"] < stats["onsets"] < stats["steps"]
+    assert 0 < stats["onsets_at_minimum_velocity"] < stats["onsets"] < stats["steps"]
     assert all(stats[key] >= 0.0 for key in stats if key.startswith("wall_"))
 
 

@@ -143,7 +143,7 @@ def test_at_an_onset_and_after_a_parting_the_run_goes_on_alike(change):
         if change == "onsets":
             happened = simulation.stats["onsets"] > before
         else:
-            happened = state["parted_hinges"].size or state["parted_tooth_pairs"].size
+            happened = state["ended_hinges"].size or state["ended_tooth_pairs"].size
         if happened:
             seen += 1
             follower = rc.Simulation(rc.paper_drive(pretension=25.0))
@@ -220,7 +220,7 @@ def test_a_start_of_ones_own_is_in_the_file(tmp_path):
 def test_counts_go_on_and_wall_times_begin(under_way, file):
     loaded = rc.Simulation.load_state(file)
     counts, own = loaded.stats, under_way.stats
-    for name in ("steps", "rejected", "evaluations", "onsets", "onsets_at_floor"):
+    for name in ("steps", "rejected", "evaluations", "onsets", "onsets_at_minimum_velocity"):
         assert counts[name] == own[name]
     assert min(counts["steps"], counts["rejected"], counts["onsets"]) > 0
     assert counts["wall_stepping"] == 0.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import TypeAlias
@@ -81,7 +80,7 @@ def rows(field: str, given: object, width: int) -> npt.NDArray[np.float64]:
 
 
 def arcs(name: str, points: Rows, bulges: Sequence[float], closed: bool) -> list[tuple[float, ...]]:
-    """Return pieces (from, to, centre, convex) of an outline with bulges."""
+    """Return pieces (from, to, centre, 1 convex, -1 concave or 0 straight) of a bulged outline."""
     corners = rows(f"points of contact {shown(name)}", points, 2)
     pieces = len(corners) if closed else len(corners) - 1
     given = rows(f"bulges of contact {shown(name)}", bulges, 1)
@@ -95,10 +94,10 @@ def arcs(name: str, points: Rows, bulges: Sequence[float], closed: bool) -> list
     found: list[tuple[float, ...]] = []
     for k, bulge in enumerate(map(float, given)):
         start, end = corners[k], corners[(k + 1) % len(corners)]
-        center = np.array([math.nan, math.nan])
+        center = 0.5 * (start + end)
         if bulge != 0.0:
             chord = end - start
             left = np.array([-chord[1], chord[0]])
-            center = 0.5 * (start + end) + left * (1.0 - bulge**2) / (4.0 * bulge)
-        found.append((*map(float, (*start, *end, *center)), 1.0 if bulge > 0.0 else -1.0))
+            center += left * (1.0 - bulge**2) / (4.0 * bulge)
+        found.append((*map(float, (*start, *end, *center)), float(np.sign(bulge))))
     return found

@@ -338,7 +338,7 @@ fn a_change_of_the_memory_enters_the_slot_of_its_pair() {
         .nth(2)
         .unwrap();
     memory.begin_tooth(model.links + k, 0.2, Surface::FLAT);
-    candidates.update_memory(&model, &memory, 1, k);
+    candidates.update_memory(&model, &memory, ContactId::Tooth(model.links + k));
     assert_eq!(candidates.sprockets[1].inverse_impact_velocity[slot], 5.0);
     assert_eq!(
         candidates.sprockets[1]

@@ -6,9 +6,9 @@ use pulp::Simd;
 use super::ChainFound;
 use super::ends::LinkEnd;
 use super::losses::{HingeFriction, Lubricant};
+use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::arrays::slopes::{ContactSlopes, FilmGroup, FrictionGroup, SlopeGroup, group_of};
 use crate::chain::rhs::bristles::{BristleLanes, Bristling};
-use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::chain::rhs::slopes::{ContactSlopes, FilmGroup, FrictionGroup, SlopeGroup, group_of};
 use crate::force_law::{
     ContactLane, ElasticLaw, FilmLaw, Form, RegularizedFriction, RestitutionDamping,
     depth_in_series,
@@ -29,7 +29,7 @@ pub(crate) struct Joints<'a> {
     /// λ of the damping factor 1 + λ δ'/δ'₀; zero without damping.
     pub(crate) lambda: f64,
     /// Minimum impact velocity \[m/s\].
-    pub(crate) floor: f64,
+    pub(crate) minimum: f64,
     /// 1/initial impact velocity of every hinge \[s/m\]; zero without memory.
     pub(crate) inverse_impact_velocity: &'a [f64],
     /// Centres of the bushings, or of the rollers, at the last refresh of the candidates, x and y \[m\].
@@ -75,6 +75,8 @@ pub(super) struct Hinges<
     pub(super) friction: &'a mut [S::f64s],
     /// Force of lubricant on the front ends \[N\]; empty without `EXTRA`.
     pub(super) film_force: [&'a mut [S::f64s]; 2],
+    /// Size of the whole force \[N\]; empty without `EXTRA`.
+    pub(super) lubricated_force: &'a mut [S::f64s],
     distance_squared: &'a mut [S::f64s],
     along: &'a mut [S::f64s],
     pub(super) front_force: [&'a mut [S::f64s]; 2],
@@ -129,7 +131,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             clearance: splat(joints.clearance),
             damping: RestitutionDamping {
                 lambda: splat(joints.lambda),
-                floor: splat(joints.floor),
+                minimum: splat(joints.minimum),
             },
             clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
             inverse_impact_velocity: vectors::<S>(joints.inverse_impact_velocity, blocks),
@@ -143,6 +145,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             moments: [&mut [], &mut []],
             friction: &mut [],
             film_force: [&mut [], &mut []],
+            lubricated_force: &mut [],
             front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
             bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
@@ -164,6 +167,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
         };
         if EXTRA {
             hinges.film_force = both_mut::<S>(&mut arrays.film, 0, blocks);
+            hinges.lubricated_force = vectors_mut::<S>(&mut arrays.lubricated_force, blocks);
         }
         if FRICTION {
             hinges.friction = vectors_mut::<S>(&mut arrays.friction, blocks);

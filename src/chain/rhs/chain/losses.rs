@@ -4,7 +4,7 @@ use pulp::Simd;
 
 use super::ends::LinkEnd;
 use super::hinges::Hinges;
-use crate::chain::rhs::slopes::{FilmGroup, group_of};
+use crate::chain::arrays::slopes::{FilmGroup, group_of};
 use crate::force_law::{FilmForce, Friction, HingeFilm};
 use crate::math::simd::{Lanes, load, write};
 
@@ -69,13 +69,17 @@ impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, co
                 .add(i, shear.mul_add(turning, -film_on_eccentricity));
         }
         let force = [push.mul_add(nx, -(drag * ny)), push.mul_add(ny, drag * nx)];
+        let mut whole = [zero; 2];
         for (axis, force) in force.into_iter().enumerate() {
             self.film_force[axis][i] = force.values();
             let front = &mut self.front_force[axis][i];
-            *front = (load(simd, front) + force).values();
+            whole[axis] = load(simd, front) + force;
+            *front = whole[axis].values();
             let rear = &mut self.rear_force[axis][i];
             *rear = (load(simd, rear) - force).values();
         }
+        let [x, y] = whole;
+        self.lubricated_force[i] = x.mul_add(x, y * y).sqrt().values();
         // The forces on the two ends act at a distance: each end takes half of their moment.
         let lever = half * distance * drag;
         let moments = [shear - lever, -(shear + lever)];

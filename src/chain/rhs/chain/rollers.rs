@@ -8,8 +8,8 @@ use pulp::{Simd, WithSimd};
 use super::ends::LinkEnd;
 use super::hinges::{Hinges, Joints};
 use super::{ChainFound, RepeatBushings};
+use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::model::Model;
-use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
     Entries, Lanes, Mask, both, both_mut, lane_numbers, load, vectors, vectors_mut,
 };

@@ -3,12 +3,12 @@
 use pulp::Simd;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
+use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::arrays::pose::SprocketPose;
+use crate::chain::arrays::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
 use crate::chain::contact::{BushingRun, SprocketCandidates, gap_of};
 use crate::chain::model::SprocketModel;
 use crate::chain::rhs::bristles::BristleLanes;
-use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::chain::rhs::pose::SprocketPose;
-use crate::chain::rhs::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
 use crate::geometry::Vec2;
 use crate::math::simd::{Numbers, both, both_mut, vectors, vectors_mut};
 

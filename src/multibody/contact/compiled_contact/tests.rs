@@ -322,7 +322,7 @@ fn a_bore_has_its_clearance_a_clockwise_outline_is_a_hole_and_a_memory_at_the_mi
                 piece: pieces - 1,
                 in_front: false,
             };
-            assert_eq!((memory, contact.is_at_floor(memory)), (expected, slow));
+            assert_eq!((memory, contact.is_at_minimum(memory)), (expected, slow));
         }
     }
     // A disc is near up to the sum of the radii, 0.23 m.

@@ -116,7 +116,7 @@ fn two_discs_touch_when_and_as_fast_as_their_free_motion_says() {
             step(&mut dynamics, &mut adams);
         }
         let numbers = dynamics.onsets.numbers;
-        assert_eq!((numbers.all, numbers.at_floor), (1, slow));
+        assert_eq!((numbers.all, numbers.at_minimum), (1, slow));
         let found = dynamics.onsets.unreported.clone().unwrap();
         assert_eq!((found.len(), found[0].contact), (1, 0));
         // The tolerances are 1e-10, and the force changes the path within the step.
@@ -159,7 +159,7 @@ fn a_return_before_an_onset_takes_it_back_and_one_after_it_keeps_it() {
             roll_back(&mut dynamics, &adams, t);
             let numbers = dynamics.onsets.numbers;
             let count = u64::from(!before);
-            assert_eq!((numbers.all, numbers.at_floor), (count, count * slow));
+            assert_eq!((numbers.all, numbers.at_minimum), (count, count * slow));
             assert_eq!(
                 dynamics.onsets.unreported.unwrap().len(),
                 usize::from(!before)
@@ -228,7 +228,7 @@ fn a_return_into_a_contact_inside_a_step_counts_it() {
         let memory = dynamics.contacts.memory[0];
         assert!((memory.speed - f64::max(0.3, floor)).abs() < 1e-15 && memory.in_front);
         let numbers = dynamics.onsets.numbers;
-        assert_eq!((numbers.all, numbers.at_floor), (1, slow));
+        assert_eq!((numbers.all, numbers.at_minimum), (1, slow));
     }
 }
 
@@ -408,8 +408,8 @@ fn the_largest_velocities_up_to_a_report_are_taken_and_later_ones_wait() {
     assert_eq!(onsets.take_velocities(3, 0.6), [0.9, 0.0, 0.0]);
     assert_eq!(onsets.take_velocities(3, 9.0), [0.0; 3]);
     let mut numbers = onsets.numbers;
-    assert_eq!((numbers.all, numbers.at_floor), (6, 1));
+    assert_eq!((numbers.all, numbers.at_minimum), (6, 1));
     numbers.remove(true);
     numbers.remove(false);
-    assert_eq!((numbers.all, numbers.at_floor), (4, 0));
+    assert_eq!((numbers.all, numbers.at_minimum), (4, 0));
 }

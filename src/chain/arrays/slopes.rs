@@ -112,7 +112,7 @@ pub(crate) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize
 impl SlopeGroup {
     /// Write vector `part`: n, force, slopes with penetration and rate, κ.
     #[inline(always)]
-    pub(super) fn put<S: Simd>(
+    pub(crate) fn put<S: Simd>(
         &mut self,
         part: usize,
         [nx, ny, force, stiffness, damping, curvature]: [Lanes<S>; 6],
@@ -127,7 +127,7 @@ impl SlopeGroup {
 
     /// Write vector `part` of the slopes of the power dissipated.
     #[inline(always)]
-    pub(super) fn put_power<S: Simd>(&mut self, part: usize, power: [Lanes<S>; 2]) {
+    pub(crate) fn put_power<S: Simd>(&mut self, part: usize, power: [Lanes<S>; 2]) {
         write(&mut self.power, part, power);
     }
 }

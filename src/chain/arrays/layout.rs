@@ -89,6 +89,8 @@ pub(crate) struct ChainArrays {
     pub(crate) friction: Numbers,
     /// Force of lubricant on the front end of link k, x and y \[N\]; zero without any.
     pub(crate) film: [Numbers; 2],
+    /// Size of the whole force of every hinge with lubricant, of contact, friction and film \[N\]; zero without any.
+    pub(crate) lubricated_force: Numbers,
     /// Squared distance of pin and bushing of every hinge \[m²\].
     pub(crate) distance_squared: Numbers,
     /// Product of this distance and its rate \[m²/s\].
@@ -128,6 +130,7 @@ impl ChainArrays {
             force: padded_zeros(n),
             friction: padded_zeros(n),
             film: [0, 1].map(|_| padded_zeros(n)),
+            lubricated_force: padded_zeros(n),
             distance_squared: padded_zeros(n),
             along: padded_zeros(n),
             front_force: twice(),

@@ -1,9 +1,8 @@
 //! Recorded rows of hinges, rollers, teeth and sprockets.
 
-use super::ToothContacts;
-use super::end_rows;
-use super::hinges::pairs;
+use super::ends;
 use crate::chain::dynamics::Dynamics;
+use crate::chain::report::{ToothContacts, pairs};
 use crate::geometry::Vec2;
 use crate::geometry::path::belt::Pulley;
 use crate::layout::ChainRow;
@@ -13,7 +12,7 @@ use crate::system::Row;
 /// the distance of their ends as penetration, and no impact velocity.
 pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     let hinges = &dynamics.evaluated.hinges;
-    row.copy(&hinges.force);
+    row.copy(hinges.recorded_forces());
     row.vectors(hinges.forces_on_pins());
     if dynamics.model().hinges.ideal {
         row.real(hinges.distances());
@@ -52,7 +51,7 @@ fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
     let mut links = [&motion.x, &motion.y].map(|axis| axis[..model.links].to_vec());
     if let Some(ends) = &model.ends {
         // The centre of a load leaves the line of the chain as it swings; with it, a strand of -22 N counted as 5 N.
-        for (body, arm) in end_rows::arms(dynamics, ends) {
+        for (body, arm) in ends::arms(dynamics, ends) {
             links[0][body] += arm.x;
             links[1][body] += arm.y;
         }

@@ -1,23 +1,24 @@
 //! Recorded row of a drive.
 
-use super::Groups;
-use super::contact_rows::{
-    gather_by_bushing, write_hinges, write_rollers, write_sprockets, write_teeth,
-};
-use super::end_rows;
-use crate::chain::dynamics::Dynamics;
+mod contacts;
+mod ends;
+
+use contacts::{gather_by_bushing, write_hinges, write_rollers, write_sprockets, write_teeth};
+
+use super::Dynamics;
+use crate::chain::report::Groups;
 use crate::geometry::Vec2;
 use crate::system::Row;
 
 /// Number of the kind of contact for peak values: hinges, then rollers, then teeth.
-pub(crate) const HINGES: usize = 0;
-pub(crate) const ROLLERS: usize = 1;
+pub(super) const HINGES: usize = 0;
+pub(super) const ROLLERS: usize = 1;
 const TEETH: usize = 2;
 
-/// Write a row of `groups` for `dynamics`, evaluated at `t` \[s\] for the outputs of `Groups::needs`.
+/// Write a row of `groups` for `dynamics`, evaluated at `t` \[s\] for the outputs of `Groups::request`.
 ///
 /// `tooth_forces`: scratch, one value per bushing.
-pub(crate) fn write_row(
+pub(super) fn write_row(
     row: &mut Row,
     dynamics: &Dynamics,
     t: f64,
@@ -27,13 +28,13 @@ pub(crate) fn write_row(
     let model = dynamics.model();
     if groups.hinges {
         write_hinges(row, dynamics);
-        row.close_peaks(HINGES, &dynamics.evaluated.hinges.force);
+        row.close_peaks(HINGES, dynamics.evaluated.hinges.recorded_forces());
         if model.hinges.film.is_some() {
             let [x, y] = &dynamics.evaluated.hinges.film;
             row.real(x.iter().zip(y).map(|(&x, &y)| Vec2::new(x, y).norm()));
         }
         if let Some(ends) = &model.ends {
-            end_rows::write(row, dynamics, ends);
+            ends::write(row, dynamics, ends);
         }
     }
     if groups.hinges && model.rollers.is_some() {

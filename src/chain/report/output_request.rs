@@ -2,7 +2,7 @@
 
 /// Requested outputs of an evaluation, besides positions and velocities of all bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Needs {
+pub(crate) struct OutputRequest {
     /// Whether the outputs of the hinges are requested.
     pub(crate) hinges: bool,
     /// Whether the outputs of the teeth are requested.

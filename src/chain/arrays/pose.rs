@@ -1,6 +1,6 @@
 //! Position and velocity of a sprocket in one evaluation.
 
-use crate::chain::dynamics::Moves;
+use crate::chain::loads::SprocketKinematics;
 
 /// Position and velocity of a sprocket.
 #[derive(Debug, Clone, Copy, Default)]
@@ -18,9 +18,9 @@ pub(crate) struct SprocketPose {
 }
 
 impl SprocketPose {
-    /// Return the same as the type of the scalar code.
-    pub(crate) fn moves(&self) -> Moves {
-        Moves {
+    /// Return the same as vectors.
+    pub(crate) fn kinematics(&self) -> SprocketKinematics {
+        SprocketKinematics {
             center: self.center.into(),
             velocity: self.velocity.into(),
             angle: self.angle,

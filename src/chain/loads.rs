@@ -15,14 +15,14 @@ pub struct SprocketLoad {
 
 /// Centre \[m\], velocity of the centre \[m/s\], angle \[rad\] and angular speed \[rad/s\] of a sprocket.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Moves {
+pub(crate) struct SprocketKinematics {
     pub(crate) center: Vec2,
     pub(crate) velocity: Vec2,
     pub(crate) angle: f64,
     pub(crate) spin: f64,
 }
 
-impl Moves {
+impl SprocketKinematics {
     /// Return the motion of a body.
     pub(crate) fn of(motion: &Motion, body: usize) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl Moves {
 pub(crate) fn sprocket_acceleration(
     sprocket: &SprocketModel,
     gravity: Vec2,
-    moves: &Moves,
+    moves: &SprocketKinematics,
     chain: &SprocketLoad,
     pawl: f64,
     t: f64,
@@ -77,7 +77,7 @@ pub(crate) fn sprocket_acceleration(
 /// its teeth on the chain; reports add the change of that energy.
 pub(crate) fn outside_powers(
     sprocket: &SprocketModel,
-    moves: &Moves,
+    moves: &SprocketKinematics,
     chain: &SprocketLoad,
     t: f64,
 ) -> [f64; 2] {
