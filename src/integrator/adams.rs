@@ -205,7 +205,7 @@ impl Adams {
     }
 
     /// Return the norm of a vector of all components.
-    fn norm_of(&self, values: &[f64]) -> f64 {
+    pub(super) fn norm_of(&self, values: &[f64]) -> f64 {
         self.norm.of(self.instructions, values)
     }
 

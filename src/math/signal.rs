@@ -221,8 +221,21 @@ impl Signal {
     /// Return the longest step from `t` \[s\] that resolves the function: at most to its next knot, and short relative to the duration of a
     /// transition or a period.
     pub(crate) fn longest_step(&self, t: f64) -> f64 {
-        let to_knot = self.first_knot(|knot| knot - margin(knot) <= t) - t;
+        let to_knot = self.knot_after(t) - t;
         to_knot.min(self.longest_step_between_knots(t))
+    }
+
+    /// Return the first knot after `t` \[s\]; a knot that differs from `t` by rounding is not after it.
+    fn knot_after(&self, t: f64) -> f64 {
+        self.first_knot(|knot| knot - margin(knot) <= t)
+    }
+
+    /// Return the last time before the first corner of a table after `since` \[s\], where `t` is at this corner, to rounding.
+    pub(crate) fn before_corner(&self, t: f64, since: f64) -> Option<f64> {
+        let Self::Table(_) = self else { return None };
+        let corner = self.knot_after(since);
+        (corner.is_finite() && (t - corner).abs() <= margin(corner))
+            .then(|| corner - margin(corner))
     }
 
     /// Integral from zero to `t` \[s\].

@@ -36,6 +36,28 @@ impl StepStart {
 }
 
 impl MechanismDynamics {
+    /// Return the last time before a jump of an acceleration that a driver prescribes, where `t` is at the first one of the last step.
+    ///
+    /// A step ends at such a jump, and its last evaluation has the acceleration before it. The next step begins with the one behind it.
+    pub(super) fn before_jump(&self, t: f64) -> Option<f64> {
+        let motions = self.model.equations.iter();
+        let motions = motions.filter_map(|equation| equation.motion.as_ref());
+        motions
+            .filter_map(|motion| motion.before_jump(t, self.step.time))
+            .next()
+    }
+
+    /// Restart the integrator where the last step ended at a jump of a prescribed acceleration: its history is that before the jump.
+    pub(super) fn restart_behind_jump(&mut self, adams: &mut Adams) {
+        if adams.is_starting() || self.before_jump(adams.time()).is_none() {
+            return;
+        }
+        let mut solution = std::mem::take(&mut self.work.solution);
+        solution.copy_from_slice(adams.y());
+        adams.restart_with_corrector(adams.time(), &solution);
+        self.work.solution = solution;
+    }
+
     /// Store the data that a step changes. The integrator's history is not copied: a return restarts the integrator.
     pub(super) fn keep_step_start(&mut self, adams: &Adams) {
         let start = &mut self.step;

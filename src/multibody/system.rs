@@ -75,6 +75,7 @@ impl System for MechanismDynamics {
     }
 
     fn begin_step(&mut self, adams: &mut Adams) {
+        self.restart_behind_jump(adams);
         self.keep_step_start(adams);
     }
 
@@ -96,7 +97,7 @@ impl System for MechanismDynamics {
         (self.contacts).begin_screening(&self.model, &self.frames, accelerations);
         // The bound is evaluated up to twice the next step size, as step size control also tests whether a step is close to its
         // bound.
-        let within = if adams.is_starting() {
+        let within = if adams.is_starting() || self.before_jump(adams.time()).is_some() {
             adams.control().max_step
         } else {
             2.0 * adams.step_size()

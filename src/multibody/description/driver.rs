@@ -38,6 +38,14 @@ impl PrescribedMotion {
         function.longest_step(t)
     }
 
+    /// Return the last time before the first jump of the prescribed acceleration after `since` \[s\], where `t` is at this jump.
+    pub(crate) fn before_jump(&self, t: f64, since: f64) -> Option<f64> {
+        match self {
+            Self::Position(_) => None,
+            Self::Speed(function) => function.before_corner(t, since),
+        }
+    }
+
     /// Check every number, and that the motion has no jumps of the velocity.
     pub(crate) fn validate(&self, field: &str) -> Result<()> {
         match self {

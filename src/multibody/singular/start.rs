@@ -4,6 +4,7 @@ use super::acceleration::nearness;
 use crate::multibody::assembly::projection::AtHand;
 use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::dynamics::MechanismDynamics;
+use crate::multibody::model::MechanismModel;
 
 /// Independence of the constraints at the start below which nearby positions are examined.
 const NEAR: f64 = 1e-6;
@@ -37,7 +38,9 @@ impl MechanismDynamics {
         };
         let (rank, independence) = (kkt.rank(), kkt.independence());
         let constraints = &mut self.constraints;
-        (constraints.rank, constraints.near_singular) = (rank, nearness(independence));
+        let slenderest = self.model.least_gyration_over_arm();
+        (constraints.rank, constraints.near_singular) =
+            (rank, nearness(independence.min(slenderest)));
         if rank == constraints.rows.len() && independence > NEAR {
             return false;
         }
@@ -82,7 +85,7 @@ impl MechanismDynamics {
             found.0 = found.0.max(kkt.rank());
             let grown = kkt.rank() == rank && beside > MORE * independence.max(NEAR);
             if grown {
-                constraints.near_singular = nearness(beside);
+                constraints.near_singular = nearness(beside.min(slenderest));
             }
             found.1 |= kkt.rank() > rank || grown;
         }
@@ -93,6 +96,22 @@ impl MechanismDynamics {
         self.evaluate(0.0, state);
         let given = (self.model.bodies.iter()).any(|body| body.velocity != [0.0; 3]);
         found.1 && !given
+    }
+}
+
+impl MechanismModel {
+    /// Return the least radius of gyration of a body over the distance of one of its joints from its centre of mass, one at most.
+    ///
+    /// The norm of the independence is weighted by inverse masses. A body that turns easily makes the joints at its ends appear dependent to
+    /// this extent, in some positions, without being near a singular one.
+    fn least_gyration_over_arm(&self) -> f64 {
+        let ends = (self.equations.iter()).flat_map(|equation| [&equation.a, &equation.b]);
+        let free = ends.filter(|end| self.first[end.body].is_some());
+        let ratios = free.map(|end| {
+            let body = &self.bodies[end.body];
+            (body.inertia / body.mass).sqrt() / end.point.norm()
+        });
+        ratios.fold(1.0, f64::min)
     }
 }
 

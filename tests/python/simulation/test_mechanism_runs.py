@@ -291,3 +291,98 @@ def test_an_assembly_hears_an_interruption():
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize(
+    "solver",
+    [
+        rc.Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01),
+        rc.Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=1e-3),
+        rc.Solver(method="auto", max_step=0.01),
+        rc.Solver(method="newton", accuracy=1e-9),
+    ],
+    ids=["pece", "short steps", "auto", "newton"],
+)
+def test_the_work_of_a_driver_counts_to_the_corners_of_its_speed_table(solver):
+    m = rc.Mechanism()
+    m.add_body("a", 1.0, 0.02, position=(0.2, 0.0, 0.0))
+    m.add_revolute("r", "ground", "a", at=(0.0, 0.0))
+    m.add_driver("d", "ground", "a", speed=[(0.0, 3.0), (0.05, 6.0), (0.1, -4.0), (0.2, -4.0)])
+    m.add_body("b", 0.5, 0.004, position=(0.5, 0.0, 0.0))
+    m.add_revolute("q", "a", "b", at=(0.4, 0.0))
+    result = rc.Simulation(m, solver=solver).run(0.2, report_step=0.01, progress=False)
+    # By 1e-13 with steps of 1 ms. Before the integrator restarted at corners: up to -0.198 J.
+    assert result.energy.external_work[-1] == pytest.approx(-0.16575, abs=2e-5)
+    assert np.abs(result.energy.residual).max() < 2e-5
+
+
+@pytest.mark.parametrize("inertia", [1e-5, 1.44e-7, 1e-7])
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_a_light_rod_with_a_heavy_bob_is_not_near_a_singular_position(angle, inertia):
+    x, y = np.cos(angle), np.sin(angle)
+    m = rc.Mechanism()
+    m.add_body("rod", 1e-3, inertia, position=(0.5 * x, 0.5 * y, angle))
+    m.add_body("bob", 1.0, 1e-3, position=(x, y, 0.0))
+    m.add_revolute("r", "ground", "rod", at=(0.0, 0.0))
+    m.add_revolute("q", "rod", "bob", at=(x, y))
+    result = rc.Simulation(m).run(1.0, report_step=0.01, progress=False)
+    assert np.abs(result.energy.residual).max() < 1e-8
+
+
+def test_given_positions_change_no_length_that_is_that_of_the_described_ones():
+    m = rc.Mechanism()
+    m.add_body("a", 1.0, 0.1)
+    m.add_prismatic("g", "ground", "a", direction=(0.0, 1.0))
+    m.add_spring("s", "ground", "a", 100.0, point_a=(0.0, 1.0))
+    first = rc.Simulation(m)
+    first.step_to(0.3)
+    second = rc.Simulation(m, positions=first.positions, velocities=first.velocities)
+    np.testing.assert_allclose(
+        second.evaluate().accelerations, first.evaluate().accelerations, rtol=1e-9, atol=1e-9
+    )
+    first.step_to(0.6)
+    second.step_to(0.3)
+    np.testing.assert_allclose(second.positions, first.positions, atol=1e-7)
+    moved = rc.Simulation(m, velocities=[(0.0, -1.0, 0.0)])
+    np.testing.assert_array_equal(moved.velocities, [[0.0, -1.0, 0.0]])
+
+
+def test_a_fixed_body_stays_where_it_is_described():
+    m = rc.Mechanism()
+    m.add_body("wall", 1.0, 0.1, position=(1.0, 0.0, 0.0), fixed=True)
+    m.add_body("a", 1.0, 0.1)
+    here = rc.Simulation(m).positions
+    rc.Simulation(m, positions=here, velocities=np.zeros_like(here))
+    with pytest.raises(rc.InvalidInput, match=r'positions of "wall" = .*where the body is fixed'):
+        rc.Simulation(m, positions=here + 0.1, velocities=np.zeros_like(here))
+
+
+@pytest.mark.parametrize("height", [0.0, 1e-9, 1e-3])
+def test_bodies_in_line_with_their_distances_are_assembled_off_this_line(height):
+    m = rc.Mechanism()
+    m.add_body("m", 1.0, 0.1, position=(0.5, height, 0.0))
+    m.add_distance("left", "ground", "m", length=0.6)
+    m.add_distance("right", "ground", "m", point_a=(1.0, 0.0), length=0.6)
+    assert abs(rc.Simulation(m).positions[0, 1]) == pytest.approx(np.sqrt(0.36 - 0.25), abs=1e-9)
+
+
+def test_scenes_with_bulged_outlines_are_equal_and_files_of_them_have_no_nan(tmp_path):
+    def scene():
+        m = rc.Mechanism()
+        m.add_body("b", 1.0, 0.1, position=(0.0, 0.3, 0.0))
+        m.add_outline_contact(
+            "o",
+            "ground",
+            "b",
+            [(1, 0), (-1, 0), (-1, -1), (1, -1)],
+            0.05,
+            rc.LinearContact(1e5),
+            bulges=[0.1, 0, 0, 0],
+        )
+        return rc.Scene(m)
+
+    path = tmp_path / "scene.json"
+    rc.save_scene(scene(), path)
+    assert scene() == scene()
+    assert rc.load_scene(path) == scene()
+    assert "NaN" not in path.read_text(encoding="utf-8")

@@ -59,3 +59,21 @@ def test_a_surface_that_does_not_exist_is_refused():
     for surface in [(38, 0, 0), (0, 2, 0), (0, 0, 200)]:
         with pytest.raises(rc.InvalidInput, match="surfaces"):
             _rustchain.Core(scene, place.positions, place.velocities, [surface])
+
+
+@pytest.mark.parametrize("method", ["auto", "newton", "pece"])
+def test_a_drive_that_rests_under_load_keeps_the_forces_of_its_equilibrium(method):
+    # The first explicit step was 1e-4 s long, a hundred times the limit of stability: hinges bore
+    # up to four times their force within it.
+    hanging = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(20.0)), links=60)
+    tight = rc.two_sprocket_drive(
+        "ANSI 40", teeth=(17, 25), links=60, speed=0.0, torque=-5.0, pretension=500.0
+    )
+    for drive in (hanging, tight):
+        simulation = rc.Simulation(drive, start="static", solver=rc.Solver(method=method))
+        result = simulation.run(2e-4, report_step=1e-5, progress=False)
+        force = result.array("hinge_force").max(axis=1)
+        np.testing.assert_allclose(force, force[0], rtol=0.02)
+        assert result.peaks.hinge_force.max() < 1.02 * force[0]
+        np.testing.assert_array_equal(result.peaks.hinge_force[0], result.array("hinge_force")[0])
+        assert abs(result.energy.dissipated[-1]) < 1e-7

@@ -196,3 +196,23 @@ def test_a_sweep_has_the_viscosity_as_a_parameter():
 def test_what_means_nothing_is_refused(make, message):
     with pytest.raises(rc.InvalidInput, match=message):
         make()
+
+
+def test_hinge_forces_and_their_peaks_are_those_of_contact_and_film_together():
+    law = rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", teeth=(17, 25), links=60, speed=25.0, torque=-3.0, pretension=60.0
+    )
+    result = rc.Simulation(drive, hinge_law=law).run(0.03, progress=False)
+    force = result.array("hinge_force")
+    size = np.linalg.norm(result.array("hinge_force_vector"), axis=-1)
+    np.testing.assert_allclose(force, size, rtol=1e-12, atol=1e-12)
+    assert size.max() > 50.0
+    assert np.all(result.peaks.hinge_force >= size * (1.0 - 1e-12))
+    mean = result.peaks.hinge_impulse[1:].sum(0) / result.time[-1]
+    np.testing.assert_allclose(mean, 0.5 * (force[1:] + force[:-1]).mean(0), rtol=0.05, atol=0.5)
+    assert result.summary()["hinge_force_largest"] == result.peaks.hinge_force.max()
+    stopped = rc.Simulation(drive, hinge_law=law).run(
+        0.03, progress=False, stop=rc.HingeForceAbove(0.5 * size.max())
+    )
+    assert stopped.status == "stopped"
