@@ -47,7 +47,7 @@ impl MechanismModel {
     }
 
     /// Return the model with its bodies at other positions and velocities. Lengths and angles that are not described remain those of the
-    /// described positions.
+    /// described positions; speeds of drivers are integrated from the new ones.
     ///
     /// # Errors
     /// If there is not one row for each body, or the position of a fixed body is not the described one.
@@ -71,6 +71,16 @@ impl MechanismModel {
                 ));
             }
             (body.position, body.velocity) = (*position, *velocity);
+        }
+        // A speed is integrated from the place where the bodies are.
+        let frames = self.start_frames();
+        for equation in &mut self.equations {
+            if matches!(equation.motion, Some(PrescribedMotion::Speed(_))) {
+                let place = equation.quantity(&frames);
+                if (place - equation.offset).abs() > SAME_PLACE * (1.0 + place.abs()) {
+                    equation.offset = place;
+                }
+            }
         }
         Ok(self)
     }

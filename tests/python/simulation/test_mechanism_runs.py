@@ -347,6 +347,20 @@ def test_given_positions_change_no_length_that_is_that_of_the_described_ones():
     np.testing.assert_array_equal(moved.velocities, [[0.0, -1.0, 0.0]])
 
 
+def test_a_driver_of_speed_goes_on_from_given_positions():
+    m = rc.Mechanism()
+    m.add_body("a", 1.0, 0.1, position=(0.2, 0.0, 0.0))
+    m.add_revolute("r", "ground", "a", at=(0.0, 0.0))
+    m.add_driver("d", "ground", "a", speed=3.0)
+    angle = 0.7
+    here = [(0.2 * np.cos(angle), 0.2 * np.sin(angle), angle)]
+    there = [(-0.6 * np.sin(angle), 0.6 * np.cos(angle), 3.0)]
+    simulation = rc.Simulation(m, positions=here, velocities=there)
+    np.testing.assert_allclose(simulation.positions, here, atol=1e-12)
+    simulation.step_to(0.1)
+    assert simulation.positions[0, 2] == pytest.approx(angle + 0.3, abs=1e-9)
+
+
 def test_a_fixed_body_stays_where_it_is_described():
     m = rc.Mechanism()
     m.add_body("wall", 1.0, 0.1, position=(1.0, 0.0, 0.0), fixed=True)
