@@ -65,15 +65,16 @@ impl Adams {
             self.counts.evaluations += 1;
             let estimate =
                 (self.history).estimate_and_correct(set, &self.next, &self.norm, &mut self.vectors);
-            if estimate.accepts() && (!first || self.is_stable_at_start(system)) {
-                // The system may still find an event that both ends of the step do not show.
-                if system.accepts_step(self.next.size, self.allowed()) {
-                    break estimate;
-                }
-            } else {
+            if !estimate.accepts() {
                 failures += 1;
+            } else if first && !self.is_stable_at_start(system) {
+                failures += 1;
+                // Where the choice is automatic, the next steps are implicit.
+                self.switching.begin_implicit();
+            } else if system.accepts_step(self.next.size, self.allowed()) {
+                break estimate;
             }
-            // A hidden event does not count as a failure of the formula.
+            // An event that both ends of the step do not show is no failure of the formula.
             self.reject_step(&estimate, failures, controlled)?;
         };
         // C and E: corrected value y, f(y), and the differences with it.
