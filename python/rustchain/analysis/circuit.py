@@ -121,6 +121,11 @@ class Circuit:
         """Return the displacement of the chain since the start [pitches], (times,)."""
         return _moved(result, self._first) - self._ahead
 
+    def moved_at(self, drive: ChainDrive, positions: Array) -> float:
+        """Return the displacement with the bodies at these positions [pitches]."""
+        wheel = len(positions) - len(drive.guides) - len(drive.sprockets) + self._first - 1
+        return float(_displacement(drive, self._first, positions[wheel, 2])) - self._ahead
+
     def revolutions(self, result: Result, rows: slice) -> float:
         """Return how often the chain has gone round in these rows, forward and back."""
         return path_length(self.moved(result)[rows]) / self.links
@@ -242,10 +247,15 @@ def _wraps(drive: ChainDrive, centers: Array, moved: Array) -> tuple[Array, Arra
 
 def _moved(result: Result, number: int) -> Array:
     """Return the displacement of the chain at a sprocket since the start [pitches], (times,)."""
-    report, k = result.drive.check(), number - 1
-    tooth = 2 * math.pi / report.teeth[k]
-    angle = result.array("sprocket_angle")[:, k] - tooth * teeth_jumped(result, number)
-    moved: Array = (angle - report.phase[k]) * (_turn(report, k) / tooth)
+    tooth = 2 * math.pi / result.drive.sprockets[number - 1].teeth
+    angle = result.array("sprocket_angle")[:, number - 1] - tooth * teeth_jumped(result, number)
+    return _displacement(result.drive, number, angle)
+
+
+def _displacement(drive: ChainDrive, number: int, angle: Array) -> Array:
+    """Return the displacement of a chain at a sprocket with these angles, without jumps."""
+    report, k = drive.check(), number - 1
+    moved: Array = (angle - report.phase[k]) * (_turn(report, k) * report.teeth[k] / (2 * math.pi))
     return moved
 
 

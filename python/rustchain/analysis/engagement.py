@@ -44,11 +44,12 @@ def engagements(
     Returns
     -------
     DataFrame
-        ``time`` [s] of the report that first shows the contact, from `start` to `end`; ``bushing``, ``sprocket``,
-        ``tooth`` (gap from 0), ``region``. A bushing that returns to the same gap continues its
-        episode; bushings within a wrap at the first row of a part have theirs before it. ``force`` [N] and ``impulse`` [N s] of the impact are
-        from the peaks between reports. ``largest_force`` [N] and length ``pitches`` are those of
-        the contact episode.
+        ``time`` [s] of the report that first shows the contact, from `start` to `end`; ``bushing``,
+        ``sprocket``, ``tooth`` (gap from 0), ``region``. ``force`` [N] and ``impulse`` [N s] of the
+        impact are from the peaks between reports. ``largest_force`` [N] and length ``pitches``,
+        forward and back, are those of the contact episode. A bushing that returns to the same gap
+        continues its episode. Of a result from `between`, a bushing that is in a wrap at the first
+        row is taken to have begun before. `start` knows: it looks at the rows before.
     """
     from rustchain.extras import pandas as pd
 
@@ -91,7 +92,7 @@ def impacts(
     time = result.time
     circuit = Circuit.of(result.drive)
     passed = np.append(0.0, np.cumsum(np.abs(np.diff(circuit.moved(result)))))
-    engaged = _engaged_before(result, circuit)
+    engaged = _engaged_before(result)
     found, last_number = [], max(count, numbers[-1])
     for k in range(wheel.shape[1]):
         touching = np.flatnonzero((wheel[:, k] > 0) & (wheel[:, k] <= last_number))
@@ -123,20 +124,21 @@ def impacts(
     return found
 
 
-def _engaged_before(result: Result, circuit: Circuit) -> list[int]:
+def _engaged_before(result: Result) -> list[int]:
     """Return the sprocket, from 1, in whose wrap each bushing is at the first row; 0 for none.
 
     Where rows begin after the start of the run, such a bushing is in the middle of an episode, also
     if it is in flight. At the start of a run there is none.
     """
-    if not result.time[0] > 0.0:
-        return [0] * circuit.links
-    here = circuit.positions(result)[0]
-    wraps = [section for section in circuit.sections if section.sprocket is not None]
-    return [
-        next((s.sprocket or 0 for s in wraps if (x - s.begin) % circuit.links <= s.end - s.begin), 0)
-        for x in here
-    ]
+    circuit = Circuit.during(result, slice(0, 1))
+    engaged = np.zeros(circuit.links, int)
+    if result.time[0] > 0.0:
+        here = circuit.positions(result)[0]
+        for section in circuit.sections:
+            if section.sprocket is not None:
+                inside = (here - section.begin) % circuit.links <= section.end - section.begin
+                engaged[inside] = section.sprocket
+    return engaged.tolist()
 
 
 def _row_at(passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: float) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from rustchain import _rustchain
 from rustchain.analysis.circuit import Circuit
-from rustchain.analysis.loads import nearest_contact
+from rustchain.analysis.loads import forces_of, nearest_contact
 from rustchain.analysis.phases import (
     NEWTONS,
     QUANTILES,
@@ -21,7 +21,7 @@ from rustchain.analysis.phases import (
     load_variables,
     midway,
 )
-from rustchain.analysis.window import generated_positions, rows_between
+from rustchain.analysis.window import rows_between, start_positions
 from rustchain.arguments import shown
 from rustchain.description.guides import SmoothIdler
 from rustchain.errors import InvalidInput
@@ -73,16 +73,17 @@ def guide_loads(
     # Most impacts are over before a row: they count where the bushing was last.
     nearest = np.take_along_axis(wheel, nearest_contact(result), 0)[rows]
     met = nearest == len(result.drive.sprockets) + number
+    of = forces_of(result, "tooth", rows)
     forces = Forces(
-        np.where(here, result.array("tooth_force")[rows], 0.0),
-        np.where(met, result.array("peak_tooth_force")[rows], 0.0),
-        np.where(met, result.array("peak_tooth_impulse")[rows], 0.0),
+        np.where(here, of.force, 0.0),
+        np.where(met, of.peak, 0.0),
+        np.where(met, of.impulse, 0.0),
     )
-    span = intervals(result.time)[rows, None]
+    span = intervals(result.time[rows])[:, None]
 
     circuit = Circuit.of(result.drive)
     reach = math.ceil(_length(result, number) / (2 * result.drive.chain.pitch)) + 1.5
-    along = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
+    along = midway(circuit.moved(result)[rows])[:, None] + np.arange(circuit.links)
     along = along - _middle(result, number)
     along -= circuit.links * np.round(along / circuit.links)
     bins = round(2 * reach * bins_per_pitch)
@@ -132,9 +133,7 @@ def _middle(result: Result, number: int) -> float:
     links = result.drive.chain.links
     guide = result.drive.guides[number - 1]
     table = _rustchain.chain_links(result.drive.chain)
-    positions, moved = result.initial_positions, Circuit.of(result.drive).moved(result)[0]
-    if not np.isfinite(positions).all():  # of a part whose bodies were not recorded
-        positions, moved = generated_positions(result), 0.0
+    positions = start_positions(result)
     x, y, angle = positions[:links].T
     half = 0.5 * table[:, 0]
     hinges = np.stack([x + half * np.cos(angle), y + half * np.sin(angle)], axis=1)
@@ -143,4 +142,5 @@ def _middle(result: Result, number: int) -> float:
     inside = np.clip(along, 0.0, 1.0)
     foot = hinges + inside[:, None] * step
     nearest = int(np.argmin(np.hypot(*(foot - np.array(guide.center)).T)))
+    moved = Circuit.of(result.drive).moved_at(result.drive, positions)
     return float(nearest + inside[nearest] + moved)

@@ -19,7 +19,7 @@ from rustchain.analysis.phases import (
     midway,
     share,
 )
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.arguments import plain, shown
 from rustchain.errors import NoSuchPart
 from rustchain.typing import Time
@@ -71,11 +71,11 @@ def hinge_loads(
     bins_per_pitch = checked_bins("hinge_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
     circuit = Circuit.during(result, rows)
-    where = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
+    where = midway(circuit.moved(result)[rows])[:, None] + np.arange(circuit.links)
     bins = bins_per_pitch * circuit.links
     place = np.floor(where * bins_per_pitch).astype(np.intp) % bins
-    forces = _forces(result, "hinge", rows)
-    span = intervals(result.time)[rows, None]
+    forces = forces_of(result, "hinge", rows)
+    span = intervals(result.time[rows])[:, None]
     position = (np.arange(bins) + 0.5) / bins_per_pitch
     variables = load_variables("position", place, bins, forces, span, quantiles)
     shares = np.quantile(forces.force, quantiles, axis=0).T
@@ -134,14 +134,14 @@ def wrap_loads(
     # Teeth are met and left outside the belt line; half pitches put seats in the middle of a bin.
     begin = -1.5
     bins = round(bins_per_pitch * (np.ceil(section.end - section.begin) - 2.0 * begin))
-    here = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
+    here = midway(circuit.moved(result)[rows])[:, None] + np.arange(circuit.links)
     along = np.mod(here - section.begin - begin, circuit.links) + begin
     place = bins_of(along, begin, 1.0 / bins_per_pitch, bins)
-    span = intervals(result.time)[rows, None]
-    tooth, hinge = (_forces(result, part, rows) for part in ("tooth", "hinge"))
-    # A bushing beside a wrap may touch a guide.
+    span = intervals(result.time[rows])[:, None]
+    tooth, hinge = (forces_of(result, part, rows) for part in ("tooth", "hinge"))
+    # A bushing beside a wrap may touch a guide. What no row shows in contact was on the teeth.
     wheel = np.take_along_axis(result.array("tooth_sprocket"), nearest_contact(result), 0)[rows]
-    tooth = Forces(*(np.where(wheel == sprocket, values, 0.0) for values in tooth))
+    tooth = Forces(*(np.where(np.isin(wheel, (0, sprocket)), each, 0.0) for each in tooth))
     position = begin + (np.arange(bins) + 0.5) / bins_per_pitch
     return xr.Dataset(
         load_variables("position", place, bins, tooth, span, quantiles)
@@ -189,14 +189,14 @@ def tooth_loads(
     check_sprocket(result, sprocket)
     teeth = result.drive.sprockets[sprocket - 1].teeth
     forces = by_gap(result, sprocket, rows)
-    angles = result.array("sprocket_angle")[:, sprocket - 1]
-    turned = midway(angles)[rows, None]
+    angles = result.array("sprocket_angle")[rows, sprocket - 1]
+    turned = midway(angles)[:, None]
     around = (turned + 2 * np.pi * np.arange(teeth) / teeth) / (2 * np.pi)
     bins = bins_per_pitch * teeth
     place = np.floor(around * bins).astype(np.intp) % bins
-    span = intervals(result.time)[rows, None]
+    span = intervals(result.time[rows])[:, None]
     angle = 2 * np.pi * (np.arange(bins) + 0.5) / bins
-    turns = path_length(angles[rows]) / (2 * np.pi)
+    turns = path_length(angles) / (2 * np.pi)
     return xr.Dataset(
         load_variables("angle", place, bins, forces, span, quantiles)
         | {
@@ -224,7 +224,7 @@ def by_gap(result: Result, sprocket: int, rows: slice) -> Forces:
         np.take_along_axis(result.array(name), nearest, 0)[rows]
         for name in ("tooth_sprocket", "tooth_index")
     )
-    of = _forces(result, "tooth", rows)
+    of = forces_of(result, "tooth", rows)
     met = np.nonzero(wheel == sprocket)
     place, shape = (met[0], gap[met]), (len(of.peak), teeth)
     found = Forces(np.zeros(shape), np.zeros(shape), np.zeros(shape))
@@ -263,7 +263,8 @@ def check_sprocket(result: Result, number: object, argument: str = "sprocket") -
         raise NoSuchPart(msg)
 
 
-def _forces(result: Result, part: str, rows: slice) -> Forces:
-    """Return the forces of hinges or of teeth."""
+def forces_of(result: Result, part: str, rows: slice) -> Forces:
+    """Return the forces of hinges or of teeth; peaks and impulses are those after the first row."""
     names = (f"{part}_force", f"peak_{part}_force", f"peak_{part}_impulse")
-    return Forces(*(result.array(name)[rows] for name in names))
+    arrays = {name: result.array(name)[rows] for name in names}
+    return Forces(*from_first_row(arrays, rows).values())

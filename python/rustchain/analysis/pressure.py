@@ -153,8 +153,8 @@ def pressure_cycles(
     if turns == 0.0:
         msg = "start, end: nothing has turned, so that no cycles can be counted; take a longer part"
         raise InvalidInput(msg)
-    # Each interval's peak comes before the value of the row that ends it.
-    history = np.stack([most, now], axis=1).reshape(-1, now.shape[1])
+    # Each interval's peak comes before the value of the row that ends it; the first one's is over.
+    history = np.stack([most, now], axis=1).reshape(-1, now.shape[1])[1:]
     largest = max(float(history.max()), np.finfo(float).tiny)
     edges = np.linspace(0.0, largest, bins + 1)
     cycles = np.zeros((now.shape[1], bins))

@@ -11,7 +11,7 @@ from rustchain.analysis.engagement import impacts
 from rustchain.analysis.jumps import jumps_within
 from rustchain.analysis.power import mean_powers
 from rustchain.analysis.transmission import angle_error, ripple_of
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.description.drive import Free
 from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.html import HtmlView
@@ -93,7 +93,9 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
     there = {"hinges": hinges_of, "teeth": bushings_of}
     for group, part in parts.items():
         if group in result.groups and result.array(f"peak_{part}_force").size:
-            peak = result.array(f"peak_{part}_force")[rows]
+            names = {f"{part}_force", f"peak_{part}_force"} & set(result.arrays)
+            arrays = from_first_row({name: result.array(name)[rows] for name in names}, rows)
+            peak = arrays[f"peak_{part}_force"]
             if group in there:
                 peak = peak[:, there[group](result.drive)]
             found[f"{part}_force_p99"] = float(np.quantile(peak, 0.99))

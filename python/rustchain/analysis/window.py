@@ -53,8 +53,7 @@ def between(result: Result, /, start: Time = None, end: Time = None) -> Result:
     """
     rows = rows_between(result, start, end)
     arrays = {name: part_of(result.arrays, name, rows) for name in result.arrays}
-    if rows.start > 0:
-        arrays |= _from_first_row(arrays)
+    arrays = from_first_row(arrays, rows)
     ends = {}
     for name, row, whole in (
         ("initial", rows.start, 0),
@@ -70,19 +69,33 @@ def between(result: Result, /, start: Time = None, end: Time = None) -> Result:
     return replace(result, arrays=arrays, **ends)
 
 
-def generated_positions(result: Result) -> Array:
-    """Return the positions of the bodies in the generated configuration, (bodies, 3) [m, m, rad]."""
-    return _rustchain.Core(result.scene, None, None).positions
-
-
-def _from_first_row(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, npt.NDArray[Any]]:
-    """Return the sums and peaks of a part, which begin at its first row as those of a run do."""
-    found = {}
+def from_first_row(
+    arrays: Mapping[str, npt.NDArray[Any]], rows: slice
+) -> dict[str, npt.NDArray[Any]]:
+    """Return these rows of arrays with sums and peaks from the first of them on, as of a run."""
+    found = dict(arrays)
+    if rows.start == 0:
+        return found
     for name, values in arrays.items():
         if name.startswith("energy_") and name not in _LEVELS:
             found[name] = values - values[0]
-        elif name.startswith("peak_"):
+        elif name.startswith("peak_") or name == "contact_impact_velocity":
             found[name] = values.copy()
-            now = arrays.get(name.removeprefix("peak_"))
-            found[name][0] = 0.0 if now is None else now[0]
+            found[name][0] = 0.0
+    for name in ("hinge_force", "tooth_force", "roller_force", "contact_force"):
+        if {name, f"peak_{name}"} <= arrays.keys():
+            found[f"peak_{name}"][0] = arrays[name][0]
     return found
+
+
+def start_positions(result: Result) -> Array:
+    """Return the positions of the bodies at the start of the simulation, (bodies, 3)."""
+    scene = result.scene
+    if result.time[0] == 0.0:
+        return result.initial_positions
+    if scene.start == "static":
+        found: Array = _rustchain.static_start(scene)["positions"]
+        return found
+    if scene.positions is not None:
+        return np.array(scene.positions)
+    return _rustchain.Core(scene, None, None).positions

@@ -105,6 +105,21 @@ class ChainSize:
     strength: float
     sources: Mapping[str, str]
 
+    def breaking_load(self, strands: int = 1) -> float | None:
+        """Return the smallest ultimate tensile strength of all strands [N]; None: not known.
+
+        ANSI/ASME B29.1 multiplies that of one strand. ISO 606 gives two and three strands of the B
+        series values of their own, which are less.
+
+        Examples
+        --------
+        >>> rc.chain_sizes()["ISO 08B"].breaking_load(2)
+        31100.0
+        """
+        if strands == 1 or self.name.startswith("ANSI"):
+            return strands * self.strength
+        return _STRENGTHS[self.name].get(strands)
+
     @property
     def has_rollers(self) -> bool:
         """True if rollers turn on the bushings."""
@@ -273,12 +288,19 @@ def _iso(name: str, row: Sequence[float], table: Mapping[str, Any]) -> ChainSize
     )
 
 
+_TABLES, _ = _rustchain.read_toml(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+
+# Strength [N] of two and of three strands, by size.
+_STRENGTHS = {
+    f"ISO {name}": {2: 1e3 * two, 3: 1e3 * three}
+    for name, (two, three) in _TABLES["ISO"]["strands"].items()
+}
+
+
 def _sizes() -> Iterator[ChainSize]:
     """Yield the sizes in the file beside this one."""
-    text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
-    tables, _ = _rustchain.read_toml(text)
     for standard, make in (("ANSI", _ansi), ("ISO", _iso)):
-        table = tables[standard]
+        table = _TABLES[standard]
         for name, row in table["sizes"].items():
             yield make(name, row, table)
 

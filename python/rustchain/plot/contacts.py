@@ -122,6 +122,8 @@ class ContactFigures(Figures):
         figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4), ax=ax)
         views = [self.result.hinge(number) for number in numbers]
         largest = max(float(view.force[rows].max()) for view in views)
+        farthest = max(float(np.abs(view.eccentricity[rows]).max()) for view in views)
+        reach = max(1.2 * clearance, 1.05e6 * farthest)
         for axes, number, view in zip(cells, numbers, views, strict=True):
             path = 1e6 * view.eccentricity[rows]
             pieces = np.stack([path[:-1], path[1:]], axis=1)
@@ -130,9 +132,7 @@ class ContactFigures(Figures):
             drawn.set_clim(0.0, largest or 1.0)
             axes.add_collection(drawn)
             axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, color=GREY, linestyle=":"))
-            axes.set_aspect("equal")
-            reach = max(1.2 * clearance, 1.05 * float(np.abs(path).max(initial=0.0)))
-            axes.set(xlim=(-reach, reach), ylim=(-reach, reach))
+            axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
             axes.set_title(f"pin {number} in its bushing")
         if ax is None:
             figure.colorbar(drawn, ax=cells, label="pin / bushing force [N]", shrink=0.8)

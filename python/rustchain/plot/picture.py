@@ -80,21 +80,23 @@ class DrivePicture(Figures):
         if "positions" in result.arrays:
             return found, result.arrays["positions"][row]
         last = len(result.time) - 1
-        if row not in (0, last):
+        between = row not in (0, last)
+        if between:
             row = last if 2 * row > last else 0
             found = float(result.time[row])
+        positions = result.final_positions if row == last else result.initial_positions
+        if not np.isfinite(positions).all():
+            msg = (
+                f"positions at t = {found:g} s: bodies were not recorded, and t is no end of the "
+                "run; pass record=(..., 'bodies') to run, or draw the whole result"
+            )
+            raise NotRecorded(msg)
+        if between:
             msg = (
                 f"drawn at t = {found:g} s: bodies were not recorded between start and end; "
                 "pass record=(..., 'bodies') to run"
             )
             warn_caller(msg)
-        positions = result.final_positions if row == last else result.initial_positions
-        if not np.isfinite(positions).all():
-            msg = (
-                f"positions at t = {found:g} s: were not recorded, which is at an end of this part "
-                "alone; pass record=(..., 'bodies') to run, or draw the whole result"
-            )
-            raise NotRecorded(msg)
         return found, positions
 
 

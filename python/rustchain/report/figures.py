@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import matplotlib as mpl
 import numpy as np
 
-from rustchain.analysis.window import generated_positions
+from rustchain.analysis.window import start_positions
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.plot.colors import IN_DARK
 from rustchain.plot.picture import draw_drive
@@ -69,11 +69,8 @@ def svg_of(figure: Figure) -> str:
 
 
 def picture_of(result: Result) -> str:
-    """Return the drive at the start of the run as SVG, of a part without it as generated."""
-    positions = result.initial_positions
-    if not np.isfinite(positions).all():
-        positions = generated_positions(result)
-    return svg_of(draw_drive(result.drive, positions))
+    """Return the drive at the start of the simulation as SVG."""
+    return svg_of(draw_drive(result.drive, start_positions(result)))
 
 
 def _wanted(result: Result) -> list[tuple[str, Callable[[], Figure]]]:

@@ -85,7 +85,7 @@ def safety_of(result: Result, breaking_load: float | None = None) -> Safety:
     result : Result
         With hinges recorded; of a chain drive.
     breaking_load : float, optional
-        Of all strands together [N]; by default the catalogue's, where the chain is one of its.
+        Of all strands together [N]; by default the catalogue's, where it has one.
 
     Raises
     ------
@@ -101,7 +101,7 @@ def safety_of(result: Result, breaking_load: float | None = None) -> Safety:
     area = 2.0 * chain.hinge.pin_radius * length
     hertz = line_pressure(np.array(force), hinge_curvature(chain), length, contact_modulus(chain))
     if breaking_load is None and chain.name in SIZES:
-        breaking_load = chain.strands * SIZES[chain.name].strength
+        breaking_load = SIZES[chain.name].breaking_load(chain.strands)
     return Safety(
         breaking_load,
         pull,
@@ -137,7 +137,7 @@ def allowed_pressure(pitch: float, speed: float, teeth: int) -> float | None:
 
 
 def _allowed(result: Result) -> float | None:
-    """Return the guide value at the mean size of the speed of the sprocket with the fewest teeth."""
+    """Return the guide value at the mean unsigned speed of the sprocket with the fewest teeth."""
     if "sprocket_speed" not in result.arrays or not result.drive.sprockets:
         return None
     teeth = [sprocket.teeth for sprocket in result.drive.sprockets]

@@ -437,8 +437,8 @@ def test_key_figures_are_those_of_the_recorded_rows(summed):
         assert found[name] == pytest.approx(value), name
     late = summed.summary(start=0.15, end=0.55)
     assert late["tension_2-3"] == pytest.approx(tension[2:6, 1].mean())
-    assert late["hinge_force_largest"] == summed.array("peak_hinge_force")[2:6].max()
-    assert late["engagement_force_mean"] == 2.0  # bushing 1 is in contact from the first row
+    assert late["hinge_force_largest"] == summed.array("peak_hinge_force")[3:6].max()
+    assert late["engagement_force_mean"] == 3.5  # bushing 1 comes into contact at the first row
     assert late["loss"] == pytest.approx(0.4)
 
 

@@ -109,7 +109,7 @@ def test_an_interval_is_students_of_the_means_of_the_parts(result):
     edges = np.linspace(0.0, 0.2, 9)
     tension = result.strand("upper").tension
     parts = [
-        tension[(result.time >= start) & (result.time <= end)].mean()
+        tension[(result.time >= start - 1e-9) & (result.time <= end + 1e-9)].mean()
         for start, end in pairwise(edges)
     ]
     half = stats.t.ppf(0.975, 7) * stats.sem(parts)
