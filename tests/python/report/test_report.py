@@ -94,6 +94,56 @@ def test_the_page_says_what_the_guide_value_of_the_pressure_is(result, tmp_path)
     assert "usually at most" not in section
 
 
+@pytest.mark.parametrize(
+    ("size", "strands", "expected"),
+    [
+        ("ANSI 40", 3, 3 * 3125 * 4.4482216152605),
+        ("ISO 08B", 1, 17.8e3),
+        ("ISO 05B", 2, 7.8e3),
+        ("ISO 06B", 3, 24.9e3),
+        ("ISO 08B", 2, 31.1e3),
+        ("ISO 08B", 3, 44.5e3),
+        ("ISO 10B", 3, 66.7e3),
+        ("ISO 12B", 2, 57.8e3),
+        ("ISO 16B", 2, 106e3),
+        ("ISO 20B", 3, 250e3),
+        ("ISO 24B", 2, 280e3),
+        ("ISO 24B", 4, None),
+    ],
+)
+def test_strands_of_the_b_series_break_at_less_than_so_many_single_ones(
+    result, size, strands, expected
+):
+    chain = rc.catalogue_chain(size, links=38, strands=strands)
+    shared = replace(result.scene.system, chain=chain)
+    found = safety.safety_of(replace(result, scene=replace(result.scene, system=shared)))
+    assert found.breaking_load == (None if expected is None else pytest.approx(expected))
+
+
+def test_every_size_of_the_b_series_has_two_and_three_strands():
+    for name, size in rc.chain_sizes().items():
+        loads = [size.breaking_load(strands) for strands in (1, 2, 3)]
+        shares = np.array(loads) / (size.strength * np.array([1, 2, 3]))
+        assert shares[0] == 1.0
+        if name.startswith("ISO"):
+            assert (shares[1:] > 0.8).all()
+            assert (shares[1:] <= 1.003).all()
+        else:
+            assert (shares == 1.0).all()
+
+
+def test_the_guide_value_of_a_drive_that_turns_back_is_that_of_the_size_of_its_speed(result):
+    time = np.array([0.0, 1.0, 2.0, 4.0])
+    speed = np.tile([[20.0], [20.0], [-20.0], [-20.0]], 2)
+    columns = result.between(end=3e-4).arrays
+    arrays = columns | {"time": time, "sprocket_speed": speed}
+    found = safety.safety_of(replace(result, arrays=arrays))
+    assert found.allowed_pressure == safety.allowed_pressure(12.7e-3, 20.0, 17)
+    uneven = np.tile([[10.0], [10.0], [-10.0], [-30.0]], 2)  # 15 rad/s in the mean over time
+    found = safety.safety_of(replace(result, arrays=arrays | {"sprocket_speed": uneven}))
+    assert found.allowed_pressure == safety.allowed_pressure(12.7e-3, 15.0, 17)
+
+
 def test_offset_links_need_more_safety(result):
     odd = rc.two_sprocket_drive("ANSI 40", (17, 17), links=39, speed=20.0)
     fake = replace(result, scene=replace(result.scene, system=odd))
@@ -136,6 +186,8 @@ def test_the_interval_has_the_mean_of_noise_in_about_95_of_100_cases(result):
 
 def test_extremes_have_a_range_and_short_runs_neither(result):
     figures = {f.name: f for f in confidence.key_figures(result)}
+    assert figures["ripple_2"].interval is None  # a root of a mean of squares
+    assert figures["ripple_2"].spread is not None
     assert figures["hinge_force_largest"].interval is None
     assert figures["hinge_force_largest"].spread[1] == figures["hinge_force_largest"].value
     assert figures["hinge_force_largest"].label == "largest hinge force"
