@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _STORED = ("kinetic", "gravity", "elastic")
 _SUMS = ("dissipated", "external_work", "residual")
-_ROUNDING = 1e-12
+_ROUNDING = 1e-9  # of the losses, which are differences of sums
 
 
 def power_balance(result: Result, /, *, start: Time = None, end: Time = None) -> xr.Dataset:

@@ -195,8 +195,8 @@ def natural_frequencies(
     along itself (Swope and Ames 1963). T includes the centrifugal part mu v^2. The frequency n pi c
     / L of the string is replaced by omega, that of rigid links of mass m and inertia J on hinges a
     pitch p apart, with rollers of mass r on them where these are bodies of their own. It follows
-    from omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2 + r), s = sin(n pi p / (2 L)). NaN where the tension is not positive, or the strand has no more links than
-    modes.
+    from omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2 + r), s = sin(n pi p / (2 L)). NaN
+    where the tension is not positive, or the strand has no more links than modes.
     """
     table = _rustchain.chain_links(chain)
     mass, inertia = table[:, 1].mean(), table[:, 2].mean()

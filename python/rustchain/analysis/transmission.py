@@ -156,7 +156,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     """
     from rustchain.extras import signal
 
-    turned = angle if angle[-1] > 0.0 else -angle
+    turned = angle * np.sign(angle[-1])
     if len(turned) < 8 or not turned[-1] > 0.0:
         msg = (
             f"start, end: {len(turned)} rows over {turned[-1]:.3g} rad: too "

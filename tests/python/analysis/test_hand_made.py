@@ -108,6 +108,19 @@ def test_a_shaft_that_turns_back_is_read_at_its_farthest_angles():
     assert order[1] == pytest.approx(128 / 129 * 2 * math.pi / angle[-2])
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_shaft_that_first_turns_back_has_the_orders_of_the_way_on(sign):
+    """It turns back by 3 rad and returns before it goes on: that is left out."""
+    onward = np.linspace(0.0, 4 * math.pi, 129)
+    back = np.concatenate([np.linspace(0.0, -3.0, 30), np.linspace(-3.0, 0.0, 30)[1:-1]])
+    angle = np.concatenate([back, onward])
+    order, amplitude = order_spectrum(sign * angle, 0.2 * np.sin(1.5 * angle))
+    expected = order_spectrum(onward, 0.2 * np.sin(1.5 * onward))
+    assert order[amplitude.argmax()] == pytest.approx(1.5, rel=0.01)
+    near = np.interp(expected[0], order, amplitude)
+    np.testing.assert_allclose(near, expected[1], atol=0.01 * 0.2)
+
+
 def test_eight_rows_of_a_turning_shaft_are_enough_for_orders():
     angle = np.linspace(0.0, 0.5, 8)
     assert len(order_spectrum(angle, np.sin(angle))[0]) == 5
@@ -165,6 +178,22 @@ def test_two_rows_have_a_power_and_one_has_none(run):
     assert made.power_balance().attrs["span"] == pytest.approx(0.4)
     with pytest.raises(rc.InvalidInput, match="a power needs at least two rows"):
         made.power_balance(start=0.7)
+
+
+@pytest.mark.parametrize("before", [0.0, 1e4])
+def test_a_drive_without_dashpots_loses_nothing_in_them(run, before):
+    """Losses add up but for rounding, also where much was lost before the part."""
+    time = np.array([0.0, 0.5, 1.0])
+    given = energies(time)
+    lost = {"hinge_contact": 0.1 * time, "tooth_contact": 0.2 * time}
+    lost = {name: 0.37 * before + values for name, values in lost.items()}
+    given |= lost | {"dissipated": sum(lost.values()) * (1.0 + 1e-15)}
+    made = powers(run, time, [1.0, -1.0, 0.0], [1.0, 1.0, 1.0], given)
+    loss = made.power_balance()["loss"]
+    assert float(loss.sel(channel="dashpots")) == 0.0
+    given["dissipated"] = given["dissipated"] + 1e-3 * time
+    loss = powers(run, time, [1.0, -1.0, 0.0], [1.0] * 3, given).power_balance()["loss"]
+    assert float(loss.sel(channel="dashpots")) == pytest.approx(1e-3, rel=1e-6)
 
 
 @pytest.mark.parametrize(("torque", "work"), [(0.0, 2.0), (-1.0, -3.0)])

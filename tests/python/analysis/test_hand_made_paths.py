@@ -522,3 +522,25 @@ def test_a_drive_whose_other_sprockets_have_no_torque_has_no_efficiency(summed):
     found = replace(made, arrays=made.arrays | idle).summary()
     assert "loss" in found
     assert "efficiency" not in found
+
+
+@pytest.mark.parametrize(("size", "strands"), [("ANSI 40", 1), ("ANSI 80", 1), ("ISO 08B", 2)])
+def test_rollers_that_are_bodies_leave_the_natural_frequencies(size, strands):
+    """At equal tension and speed, a strand weighs as much as with fixed rollers."""
+    found = []
+    for rollers in ("fixed", "bodies"):
+        chain = rc.catalogue_chain(size, links=60, strands=strands, rollers=rollers)
+        found.append(natural_frequencies(chain, 14.3, 300.0, 6.0, 5))
+    np.testing.assert_allclose(*found, rtol=0.01)
+    assert np.isfinite(found).all()
+
+
+def test_the_spectrum_of_a_strand_counts_rollers_that_are_bodies():
+    found, record = [], ("hinges", "teeth", "sprockets", "bodies")
+    for rollers in ("fixed", "bodies"):
+        drive = rc.two_sprocket_drive(teeth=(17, 17), links=60, pretension=100.0, rollers=rollers)
+        result = rc.Simulation(drive).run(4e-3, record=record, progress=False)
+        tension = np.full_like(result.array("strand_tension"), 50.0)
+        result = replace(result, arrays=result.arrays | {"strand_tension": tension})
+        found.append(result.strand_spectrum("upper")["natural_frequency"])
+    np.testing.assert_allclose(*found, rtol=0.01)

@@ -42,3 +42,18 @@ def test_the_mean_spectrum_of_an_open_chain_is_that_of_its_hinges():
     drawn = result.plot.spectrum("hinge_force").axes[0].lines[0].get_ydata()
     found = result.spectrum("hinge_force").sel(hinge=[*range(1, 10), 12])
     np.testing.assert_allclose(drawn, found.mean("hinge"), rtol=1e-12)
+
+
+@pytest.mark.parametrize(("links", "end"), [(40, (0.4, 0.0)), (41, (0.3, 0.2)), (6, (0.05, -0.02))])
+def test_a_hanging_chain_with_roller_bodies_starts_as_near_to_rest_as_one_without(links, end):
+    """Play in the hinges sets both apart from rest: generated hinges are concentric."""
+    ends = rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd(end)
+    apart = {}
+    for rollers in ("fixed", "bodies"):
+        drive = rc.open_chain("ANSI 40", ends, links, rollers=rollers)
+        starts = (rc.Simulation(drive, start=start) for start in ("generated", "static"))
+        generated, static = (simulation.positions[:links, :2] for simulation in starts)
+        apart[rollers] = np.hypot(*(generated - static).T).max()
+    clearance = drive.chain.hinge.clearance
+    assert apart["fixed"] < links * clearance
+    assert apart["bodies"] == pytest.approx(apart["fixed"], abs=0.01 * clearance)

@@ -87,3 +87,11 @@ def test_the_spectrum_of_positions_is_over_time_for_each_body_and_coordinate():
     assert found.shape == (positions.shape[1], 2, len(found["frequency"]))
     expected = signal.welch(positions[:, 7, 1], 1e4, nperseg=len(result.time), detrend="linear")
     np.testing.assert_allclose(found.to_numpy()[7, 1], expected[1], rtol=1e-5, atol=1e-25)
+
+
+@pytest.mark.parametrize("name", ["initial_position", "hinge"])
+def test_what_has_no_rows_over_time_has_no_spectrum(name):
+    result = rc.Simulation(rc.paper_drive(25.0)).run(5e-3, progress=False)
+    assert name in result.to_xarray()
+    with pytest.raises(rc.InvalidInput, match=f"name = '{name}': has no rows over time"):
+        result.spectrum(name)

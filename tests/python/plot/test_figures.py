@@ -1,6 +1,7 @@
 """Figures: no state of pyplot, and every one can be drawn into given axes."""
 
 import inspect
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -122,3 +123,28 @@ def test_other_axes_than_the_figure_has_panels_are_refused(ax):
         RESULT.plot.orbit(6, 11, ax=ax)
     with pytest.raises(rc.InvalidInput, match=r"expected 2 matplotlib Axes"):
         RESULT.plot.orbit(6, 11, ax=Figure().subplots())
+
+
+def test_an_orbit_shows_the_whole_path_of_every_pin():
+    """A pin may go far beyond the clearance; both panels have one scale."""
+    clearance = RESULT.drive.chain.hinge.clearance
+    path = RESULT.array("hinge_eccentricity").copy()
+    path[50, 5] = 3.0 * clearance, -4.0 * clearance
+    far = replace(RESULT, arrays=RESULT.arrays | {"hinge_eccentricity": path})
+    for figure in (far.plot.orbit(6, 11), far.plot.orbit(11, 6), far.plot.orbit(6)):
+        for axes in figure.axes[:-1]:
+            low, high = axes.get_ylim()
+            assert low == -high == axes.get_xlim()[0]
+            assert low < -4e6 * clearance
+    axes = RESULT.plot.orbit(6).axes[0]
+    assert axes.get_xlim()[1] == pytest.approx(1.2e6 * clearance, rel=0.3)
+
+
+def test_the_power_balance_of_a_drive_without_dashpots_draws_none_of_them():
+    drive = replace(rc.paper_drive(25.0), tensioner=None)
+    result = rc.Simulation(drive).run(0.01, progress=False)
+    for part in (result, result.between(5e-3)):
+        loss = part.power_balance()["loss"]
+        assert float(loss.sel(channel="dashpots")) == 0.0
+        axes = part.plot.power_balance().axes[1]
+        assert "dashpots" not in [label.get_text() for label in axes.get_yticklabels()]

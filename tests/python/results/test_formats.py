@@ -147,3 +147,30 @@ def test_a_spectrum_is_of_one_unit():
     assert result.spectrum("angle").attrs["units"] == "rad^2/Hz"
     with pytest.raises(rc.InvalidInput, match="has two units; expected 'position' or 'angle'"):
         result.spectrum("positions")
+
+
+@pytest.mark.parametrize("streamed", [False, True])
+def test_an_open_chain_without_sprockets_keeps_its_groups_in_files(tmp_path, streamed):
+    ends = rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(5.0)
+    drive = rc.open_chain("ANSI 40", ends, links=6)
+    path = tmp_path / "run.nc"
+    record = ("hinges", "teeth", "sprockets", "energy")
+    given = {"out": path} if streamed else {}
+    result = rc.Simulation(drive).run(2e-3, record=record, progress=False, **given)
+    if not streamed:
+        result.save(path)
+    found = rc.load_result(path)
+    assert found.groups == result.groups
+    assert "sprockets" in found.groups
+    assert found.array("sprocket_center").shape == (21, 0, 2)
+    assert found == result
+    assert found.power_balance().equals(result.power_balance())
+    assert found.between(1e-3) == result.between(1e-3)
+
+
+def test_groups_that_were_not_recorded_stay_away_from_files_of_a_chain_without_sprockets(tmp_path):
+    drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()), links=6)
+    result = rc.Simulation(drive).run(1e-3, record=("hinges",), progress=False)
+    result.save(tmp_path / "run.nc")
+    assert rc.load_result(tmp_path / "run.nc").groups == result.groups
+    assert "sprockets" not in result.groups
