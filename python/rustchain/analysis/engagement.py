@@ -49,7 +49,7 @@ def engagements(
         impact are from the peaks between reports. ``largest_force`` [N] and length ``pitches``,
         forward and back, are those of the contact episode. A bushing that returns to the same gap
         continues its episode. Of a result from `between`, a bushing that is in a wrap at the first
-        row is taken to have begun before. `start` knows: it looks at the rows before.
+        row is taken to have begun before; with `start`, the rows before decide.
     """
     from rustchain.extras import pandas as pd
 

@@ -56,8 +56,9 @@ def guide_loads(
     -------
     Dataset
         ``position`` is the position of a bushing [pitches] from the middle of the guide at the
-        start of the run, counterclockwise. Over ``position``: ``mean``, ``quantiles``, ``largest``
-        [N] of the force of each bushing that passes, as in `hinge_loads`. Over ``bushing``:
+        start of the simulation, counterclockwise. Over ``position``: ``mean``, ``quantiles``,
+        ``largest`` [N] of the force of each bushing that passes, as in `hinge_loads`. Over
+        ``bushing``:
         ``bushing_mean``, ``bushing_largest`` [N]. Over ``time``: ``force`` [N], the sum of the
         forces' sizes at the reports, and ``bushings``, the number in contact.
         ``attrs["mean_force"]`` is the mean of that sum [N], from the impulses. The angle of a

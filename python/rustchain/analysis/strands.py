@@ -194,7 +194,7 @@ def natural_frequencies(
     f_n = n / (2 L) (c^2 - v^2) / c, c^2 = T / mu, holds for a string between fixed ends that moves
     along itself (Swope and Ames 1963). T includes the centrifugal part mu v^2. The frequency n pi c
     / L of the string is replaced by omega, that of rigid links of mass m and inertia J on hinges a
-    pitch p apart, with rollers of mass r on them where these are bodies of their own. It follows
+    pitch p apart. Rollers that are bodies of their own, of mass r, are on the hinges. It follows
     from omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2 + r), s = sin(n pi p / (2 L)). NaN
     where the tension is not positive, or the strand has no more links than modes.
     """

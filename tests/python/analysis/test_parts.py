@@ -251,7 +251,7 @@ def test_the_load_along_a_wrap_is_that_of_its_teeth(short):
         tooth_force=force,
         peak_tooth_force=force,
         peak_tooth_impulse=0.1 * force,
-        **contacts(4, [(1, range(4), 4, 0), (5, range(4), 1, 5)]),
+        **contacts(4, [(1, range(4), 4, 0), (5, range(4), 1, 7)]),
     )
     result = replace(result, scene=replace(result.scene, system=system))
     found = result.wrap_loads(1, bins_per_pitch=1)
