@@ -19,6 +19,7 @@ from rustchain.analysis.phases import (
     checked_bins,
     intervals,
     load_variables,
+    mean_of,
     midway,
 )
 from rustchain.analysis.window import rows_between, start_positions
@@ -58,9 +59,8 @@ def guide_loads(
         ``position`` is the position of a bushing [pitches] from the middle of the guide at the
         start of the simulation, counterclockwise. Over ``position``: ``mean``, ``quantiles``,
         ``largest`` [N] of the force of each bushing that passes, as in `hinge_loads`. Over
-        ``bushing``:
-        ``bushing_mean``, ``bushing_largest`` [N]. Over ``time``: ``force`` [N], the sum of the
-        forces' sizes at the reports, and ``bushings``, the number in contact.
+        ``bushing``: ``bushing_mean``, ``bushing_largest`` [N]. Over ``time``: ``force`` [N], the
+        sum of the forces' sizes at the reports, and ``bushings``, the number in contact.
         ``attrs["mean_force"]`` is the mean of that sum [N], from the impulses. The angle of a
         blade's arm is that of `Result.guide`.
     """
@@ -89,11 +89,12 @@ def guide_loads(
     along -= circuit.links * np.round(along / circuit.links)
     bins = round(2 * reach * bins_per_pitch)
     place = bins_of(along, -reach, 1.0 / bins_per_pitch, bins)
+    mean = mean_of(forces.impulse, span)
     position = -reach + (np.arange(bins) + 0.5) / bins_per_pitch
     return xr.Dataset(
         load_variables("position", place, bins, forces, span, quantiles)
         | {
-            "bushing_mean": ("bushing", forces.impulse.sum(0) / span.sum(), NEWTONS),
+            "bushing_mean": ("bushing", mean, NEWTONS),
             "bushing_largest": ("bushing", forces.peak.max(0), NEWTONS),
             "force": ("time", forces.force.sum(1), NEWTONS),
             "bushings": ("time", (here & (forces.force > 0.0)).sum(1)),
@@ -104,7 +105,7 @@ def guide_loads(
             "bushing": np.arange(1, circuit.links + 1),
             "time": ("time", result.time[rows], {"units": "s"}),
         },
-        {"guide": number, "mean_force": float(forces.impulse.sum() / span.sum())},
+        {"guide": number, "mean_force": float(mean.sum())},
     )
 
 

@@ -16,6 +16,7 @@ from rustchain.analysis.phases import (
     checked_bins,
     intervals,
     load_variables,
+    mean_of,
     midway,
     share,
 )
@@ -82,7 +83,7 @@ def hinge_loads(
     return xr.Dataset(
         variables
         | {
-            "hinge_mean": ("hinge", forces.impulse.sum(0) / span.sum(), NEWTONS),
+            "hinge_mean": ("hinge", mean_of(forces.impulse, span), NEWTONS),
             "hinge_quantiles": (("hinge", "quantile"), shares, NEWTONS),
             "hinge_largest": ("hinge", forces.peak.max(0), NEWTONS),
         },
@@ -200,7 +201,7 @@ def tooth_loads(
     return xr.Dataset(
         load_variables("angle", place, bins, forces, span, quantiles)
         | {
-            "tooth_mean": ("tooth", forces.impulse.sum(0) / span.sum(), NEWTONS),
+            "tooth_mean": ("tooth", mean_of(forces.impulse, span), NEWTONS),
             "tooth_largest": ("tooth", forces.peak.max(0), NEWTONS),
         },
         {

@@ -82,6 +82,13 @@ def share(place: npt.NDArray[np.intp], bins: int, amount: Array, span: Array) ->
     return mean
 
 
+def mean_of(impulse: Array, span: Array) -> Array:
+    """Return the mean force of each part [N]; NaN of a single row, which has no interval."""
+    with np.errstate(invalid="ignore"):
+        mean: Array = impulse.sum(axis=0) / span.sum()
+    return mean
+
+
 def bins_of(position: Array, begin: float, width: float, bins: int) -> npt.NDArray[np.intp]:
     """Return the bin of each position, -1 outside all of them."""
     place = np.floor((position - begin) / width).astype(np.intp)

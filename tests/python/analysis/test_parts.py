@@ -135,6 +135,14 @@ def test_loads_of_a_guide_in_a_part_are_those_of_the_whole(record, start):
     assert np.isfinite(found["mean"]).any()
 
 
+def test_a_single_row_has_forces_and_no_mean(run):
+    row = {"start": run.time[50], "end": run.time[50]}
+    for found, part in ((run.hinge_loads(**row), "hinge"), (run.tooth_loads(1, **row), "tooth")):
+        assert np.isnan(found[f"{part}_mean"]).all()
+        assert np.isfinite(found[f"{part}_largest"]).all()
+    assert np.isnan(run.guide_loads(**row).attrs["mean_force"])
+
+
 # --- rows
 
 
