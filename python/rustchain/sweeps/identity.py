@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import json
 import pickle
 import types
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,59 +22,90 @@ def digest_of(value: object) -> str:
     """Return a hash of a value that is the same in every process, 32 hexadecimal digits.
 
     The hash of a Python function covers code, defaults and the values of a closure. It also covers
-    numbers, text and functions of the same module that the code refers to, but not other modules.
+    numbers, text, functions and classes of the same module that the code refers to, but not other
+    modules. That of an object covers its class, with the methods and values of it, too.
 
     Raises
     ------
     InvalidInput
         The value holds something without an identity, such as an open file.
     """
-    text = json.dumps(_part(value, ()), sort_keys=True, ensure_ascii=True)
+    text = json.dumps(_part(value, _Seen(None, [])), sort_keys=True, ensure_ascii=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def _part(value: Any, above: tuple[object, ...]) -> Any:  # noqa: ANN401
-    """Return a value as JSON has it; `above`: the functions that refer to it."""
+class _Seen(NamedTuple):
+    """The module of what refers to a value, None where nothing does; and what has been hashed."""
+
+    module: str | None
+    values: list[object]
+
+    def has(self, kind: type) -> bool:
+        """Return whether the code of a class counts."""
+        return self.module in (None, kind.__module__)
+
+
+def _part(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
+    """Return a value as JSON has it."""
     if value is None or isinstance(value, bool | int | float | str):
         return value if type(value) in (type(None), bool, int, float, str) else repr(value)
     if isinstance(value, list | tuple):
-        return [type(value).__name__, *(_part(each, above) for each in value)]
+        return [type(value).__name__, *(_part(each, seen) for each in value)]
     if isinstance(value, set | frozenset):
-        return ["set", *sorted(json.dumps(_part(each, above), sort_keys=True) for each in value)]
+        # Each for itself: a set has another order in another process.
+        parts = (_part(each, _Seen(seen.module, list(seen.values))) for each in value)
+        return ["set", *sorted(json.dumps(part, sort_keys=True) for part in parts)]
     if isinstance(value, Mapping):
-        return ["mapping", *([_part(k, above), _part(v, above)] for k, v in value.items())]
+        return ["mapping", *([_part(k, seen), _part(v, seen)] for k, v in value.items())]
     if isinstance(value, bytes | complex | slice | type(...)):
         return [type(value).__name__, repr(value)]
     if isinstance(value, np.ndarray) and value.dtype.kind in "biufcSU":
         content = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return ["array", str(value.dtype), list(value.shape), content]
     if (fields := fields_of(value)) is not None:
-        return [type(value).__name__, _part(fields, above)]
-    return _code(value, above)
+        return [type(value).__name__, _part(fields, seen)]
+    return _code(value, seen)
 
 
-def _code(value: Any, above: tuple[object, ...]) -> Any:  # noqa: ANN401
+def _code(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
     """Return the identity of a function, a class, a module, or any object as pickle has it."""
-    if any(value is each for each in above):
-        return ["itself", getattr(value, "__qualname__", "")]
-    above = (*above, value)
+    for place, each in enumerate(seen.values):
+        if value is each:
+            return ["seen", place]
+    seen.values.append(value)
     if isinstance(value, functools.partial):
-        return ["partial", *(_part(v, above) for v in (value.func, value.args, value.keywords))]
+        return ["partial", *(_part(v, seen) for v in (value.func, value.args, value.keywords))]
     if isinstance(value, types.MethodType):
-        return ["method", _part(value.__func__, above), _part(value.__self__, above)]
+        return ["method", _part(value.__func__, seen), _part(value.__self__, seen)]
     if isinstance(value, types.FunctionType):
-        return ["function", *_function(value, above)]
+        return ["function", *_function(value, seen)]
+    if isinstance(value, property):
+        return ["property", *(_part(v, seen) for v in (value.fget, value.fset, value.fdel))]
+    if isinstance(value, functools.cached_property):
+        return ["property", _part(value.func, seen)]
     if isinstance(value, types.CodeType):
-        consts = [_part(each, above) for each in value.co_consts]
+        consts = [_part(each, seen) for each in value.co_consts]
         return ["code", value.co_name, value.co_code.hex(), list(value.co_names), consts]
     if isinstance(value, types.ModuleType):
         return ["module", value.__name__]
+    if isinstance(value, type) and seen.has(value):
+        return ["class", *_class(value, seen)]
     if isinstance(value, type | types.BuiltinFunctionType | np.ufunc):
         return [
             "name",
             getattr(value, "__module__", ""),
             getattr(value, "__qualname__", str(value)),
         ]
+    if (wrapped := getattr(value, "__wrapped__", None)) is not None:
+        return ["wrapped", type(value).__name__, _part(wrapped, seen)]
+    return ["object", *_object(value, seen)]
+
+
+def _object(value: Any, seen: _Seen) -> list[Any]:  # noqa: ANN401
+    """Return the class of an object and its content."""
+    kind = type(value)
+    if (identity := getattr(kind, "_identity", None)) is not None:
+        return [kind.__qualname__, _part(identity(value), seen)]
     try:
         content = hashlib.sha256(pickle.dumps(value, protocol=4)).hexdigest()
     except Exception as error:  # whatever a class of the user's does
@@ -82,13 +114,18 @@ def _code(value: Any, above: tuple[object, ...]) -> Any:  # noqa: ANN401
             f"({error}); expected functions of numbers, text and arrays"
         )
         raise InvalidInput(msg) from error
-    call = vars(type(value)).get("__call__")
-    code = _part(call, above) if isinstance(call, types.FunctionType) else None
-    return ["object", type(value).__module__, type(value).__qualname__, content, code]
+    parts = [kind.__module__, kind.__qualname__, content]
+    if not seen.has(kind):
+        return parts
+    reduced = value.__reduce_ex__(4)  # in its state, pickle has functions and classes by name
+    state = reduced[2] if isinstance(reduced, tuple) and len(reduced) > 2 else None
+    inside = _Seen(kind.__module__, seen.values)
+    return [*parts, _part(kind, inside), _part(state, inside)]
 
 
-def _function(function: types.FunctionType, above: tuple[object, ...]) -> list[Any]:
+def _function(function: types.FunctionType, seen: _Seen) -> list[Any]:
     """Return name, code, defaults, closure, and what the code refers to."""
+    inside = _Seen(function.__module__, seen.values)
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     known = {
         name: function.__globals__[name]
@@ -98,12 +135,32 @@ def _function(function: types.FunctionType, above: tuple[object, ...]) -> list[A
     of_module = {
         name: value
         for name, value in known.items()
-        if not isinstance(value, types.FunctionType | type)
+        if not (isinstance(value, types.FunctionType | type) or hasattr(value, "__wrapped__"))
         or value.__module__ == function.__module__
     }
     module = "" if function.__module__ == "__main__" else function.__module__
     parts = (function.__code__, function.__defaults__, function.__kwdefaults__, cells, of_module)
-    return [module, function.__qualname__, *(_part(each, above) for each in parts)]
+    return [module, function.__qualname__, *(_part(each, inside) for each in parts)]
+
+
+def _class(kind: type, seen: _Seen) -> list[Any]:
+    """Return the names of a class and its bases, and what those of its module hold."""
+    inside = _Seen(kind.__module__, seen.values)
+    return [
+        [each.__qualname__, _members(each, inside) if inside.has(each) else each.__module__]
+        for each in kind.__mro__
+    ]
+
+
+def _members(kind: type, seen: _Seen) -> dict[str, Any]:
+    """Return the functions of a class, and its values that have an identity."""
+    found = {}
+    for name, value in vars(kind).items():
+        code = isinstance(value, types.FunctionType) or hasattr(value, "__wrapped__")
+        if code or not name.startswith("__"):
+            with contextlib.suppress(InvalidInput):  # such as a lock
+                found[name] = _part(value, seen)
+    return found
 
 
 def _names(code: types.CodeType) -> set[str]:

@@ -4,6 +4,7 @@ import functools
 import os
 import subprocess
 import sys
+import types
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -20,13 +21,15 @@ FAILING = {"chain.material.elastic_modulus": [1e300, 2e11]}
 LIMIT = 1.0
 
 
+counter = types.ModuleType("counter")  # of a module, the name counts alone
+counter.calls = 0
+
+
 class Counted:
     """A measure that counts its calls, which are no part of what it is."""
 
-    calls = 0
-
     def __call__(self, result):
-        Counted.calls += 1
+        counter.calls += 1
         return {
             "peak": result.peaks.tooth_force.max(),
             "N/m (mean)": result.strand("upper").tension[-3:],
@@ -37,9 +40,9 @@ class Counted:
 
 
 def counted(*arguments, **keywords):
-    before = Counted.calls
+    before = counter.calls
     found = rc.sweep(*arguments, **keywords)
-    return found, Counted.calls - before
+    return found, counter.calls - before
 
 
 def assert_same(one, other):
@@ -289,6 +292,85 @@ def test_two_functions_of_one_code_are_the_same_and_any_change_is_another():
 
     assert digest_of(again)
     assert digest_of(np.arange(3.0)) != digest_of(np.arange(3))
+
+
+OF_CLASSES = """
+import functools
+
+class Base:
+    factor = 2.0
+
+    def one(self, result):
+        return result + 1
+
+class Measure(Base):
+    limits = [1.0, 2.0]
+
+    def __init__(self, inner=None):
+        self.inner = inner
+
+    def __call__(self, result):
+        return self.one(result) * self.factor
+
+    def bound(self, result):
+        return self.one(result)
+
+    @property
+    def half(self):
+        return 0.5
+
+class Helper:
+    @staticmethod
+    def two(result):
+        return result + 2
+
+@functools.lru_cache
+def cached(result):
+    return result + 3
+
+def plain(result):
+    return result + 4
+
+def calls_cached(result):
+    return cached(result)
+
+def calls_helper(result):
+    return Helper.two(result)
+
+instance = Measure()
+bound = Measure().bound
+holds = Measure(plain)
+part = functools.partial(cached)
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("instance", "factor = 2.0", "factor = 3.0"),
+        ("instance", "[1.0, 2.0]", "[1.0, 2.5]"),
+        ("instance", "result + 1", "result + 10"),
+        ("instance", "return 0.5", "return 0.25"),
+        ("bound", "result + 1", "result + 10"),
+        ("bound", "factor = 2.0", "factor = 3.0"),
+        ("holds", "result + 4", "result + 40"),
+        ("calls_helper", "result + 2", "result + 20"),
+        ("calls_cached", "result + 3", "result + 30"),
+        ("cached", "result + 3", "result + 30"),
+        ("part", "result + 3", "result + 30"),
+    ],
+)
+def test_classes_and_helpers_of_the_module_of_a_measure_count(name, old, new, monkeypatch):
+    def digest(text):
+        module = types.ModuleType("of_classes")
+        monkeypatch.setitem(sys.modules, "of_classes", module)
+        exec(text, vars(module))
+        return digest_of(getattr(module, name))
+
+    assert old in OF_CLASSES
+    base = digest(OF_CLASSES)
+    assert digest(OF_CLASSES) == base
+    assert digest(OF_CLASSES.replace(old, new)) != base
 
 
 def test_an_identity_is_that_of_every_process():
