@@ -12,6 +12,22 @@ from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 
 
+class NameTaken(InvalidInput):
+    """A measured name is that of something else: every case has it, and the sweep ends at once."""
+
+
+def check_names_of(measured: Any, taken: Collection[str]) -> None:  # noqa: ANN401
+    """Refuse a measured quantity whose name the tables of a sweep use for something else."""
+    for name in measured if isinstance(measured, Mapping) else ("value",):
+        if name in taken:
+            known = ", ".join(sorted(map(shown, taken)))
+            msg = (
+                f"measure: {shown(name)} is the name of a parameter or a column of the sweep too; "
+                f"expected another than {known}; name it otherwise"
+            )
+            raise NameTaken(msg)
+
+
 def numbers_of(measured: Any, taken: Collection[str]) -> dict[str, Any]:  # noqa: ANN401
     """Return what a run was measured to be as numbers by name; None is none: NaN.
 
@@ -28,7 +44,7 @@ def numbers_of(measured: Any, taken: Collection[str]) -> dict[str, Any]:  # noqa
             raise InvalidInput(msg)
         if name in taken:
             msg = f"measure: {shown(name)} is what a study calls something else; name it otherwise"
-            raise InvalidInput(msg)
+            raise NameTaken(msg)
         array = np.asarray(nan if value is None else value)
         if not (np.issubdtype(array.dtype, np.number) or np.issubdtype(array.dtype, np.bool_)):
             what = "" if name == "value" and measured is value else f" for {shown(name)}"

@@ -11,13 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import shown
+from rustchain.caller import warn_caller
 from rustchain.description.base import Description
-from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.errors import NotRecorded
 from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 from rustchain.results.result import Result
 from rustchain.results.values import ArrayValue
 from rustchain.sweeps.cases import Axes, Parameters, dims_of, names_of
+from rustchain.sweeps.measure import check_names_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -122,7 +124,8 @@ class SweepResult(ArrayValue, HtmlView):
         """Return the measured values, NaN where a case has none.
 
         The dimensions are those of the cases, `dims`, then those of an array that was measured:
-        ``value_0``, ``value_1``. The variables are the keys of a measured dict, or "value".
+        ``value_0``, ``value_1``. The variables are the keys of a measured dict, or "value". Where
+        cases have arrays of different shapes, NaN follows the shorter ones, with a warning.
         """
         from rustchain.extras import xarray as xr
 
@@ -159,6 +162,10 @@ class SweepResult(ArrayValue, HtmlView):
             table["error"] = pd.Series({n: _told(error) for n, error in self.errors.items()})
         return table
 
+    def _taken(self) -> set[str]:
+        """Return the names that no measured quantity may have."""
+        return {"error", "case", *self.dims, *(name for case in self.cases for name in case)}
+
     def _columns(self) -> dict[str, list[Any]]:
         """Return each parameter over the cases."""
         names = dict.fromkeys(name for case in self.cases for name in case)
@@ -176,10 +183,7 @@ class SweepResult(ArrayValue, HtmlView):
             if value is not None
             for n in row
         )
-        for name in names:
-            if any(name in case for case in self.cases):
-                msg = f"measure: {shown(name)} is a parameter of the sweep too; name it otherwise"
-                raise InvalidInput(msg)
+        check_names_of(names, self._taken())
         return {str(name): _stacked(str(name), [row.get(name) for row in rows]) for name in names}
 
 
@@ -189,26 +193,34 @@ def _told(error: Exception) -> str:
 
 
 def _stacked(name: str, values: Sequence[Any]) -> _Values:
-    """Return the measured values of all cases as one array, NaN where there are none."""
+    """Return the measured values of all cases as one array, NaN where there are none.
+
+    Arrays of another shape stand at the beginning of one that holds each of them.
+    """
     arrays = [None if value is None else np.asarray(value) for value in values]
     there = [array for array in arrays if array is not None]
     shapes = sorted({array.shape for array in there})
-    if len(shapes) > 1:
-        msg = (
-            f"measure: {shown(name)} has shape {shapes[0]} in one case and {shapes[1]} in another, "
-            "which make no array; take .values instead"
-        )
-        raise InvalidInput(msg)
     if not there:
         return np.full(len(values), nan)
+    if len(shapes) > 1:
+        warn_caller(
+            f"measure: {shown(name)} has shape {shapes[0]} in one case and {shapes[1]} in another: "
+            "NaN fills the table; .values has them as they are"
+        )
+    depth = max(map(len, shapes))
+    whole = tuple(np.max([(*shape, *(depth - len(shape)) * (1,)) for shape in shapes], axis=0))
     kind: npt.DTypeLike = np.result_type(*there)
-    gaps = len(there) < len(values)
+    gaps = len(there) < len(values) or len(shapes) > 1
     numbers = np.issubdtype(kind, np.number) or np.issubdtype(kind, np.bool_)
     if gaps:
         kind = np.result_type(kind, np.float64) if numbers else object
-    stacked = np.empty((len(values), *shapes[0]), kind)
+    stacked = np.empty((len(values), *whole), kind)
+    if gaps:
+        stacked[...] = nan if numbers else None
     for place, array in enumerate(arrays):
-        stacked[place] = (nan if numbers else None) if array is None else array
+        if array is not None:
+            inside: tuple[Any, ...] = (*map(slice, array.shape), *(depth - array.ndim) * (0,))
+            stacked[(place, *inside)] = array
     return stacked
 
 

@@ -24,6 +24,7 @@ from rustchain.simulation.stop import StopCondition, check_looks
 from rustchain.sweeps.axes import System, case_of, check_names
 from rustchain.sweeps.case_run import Case, Looks, Outcome
 from rustchain.sweeps.cases import Parameters, cases_of
+from rustchain.sweeps.measure import NameTaken, check_names_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.running import (
     DaskClient,
@@ -124,8 +125,8 @@ def sweep(
     Raises
     ------
     InvalidInput
-        A parameter is not known, no case has values that are allowed, or a store cannot tell
-        whether a function is the same.
+        A parameter is not known, no case has values that are allowed, a measured name is that of a
+        parameter, "error" or "case", or a store cannot tell whether a function is the same.
     OSError
         The store cannot be written.
 
@@ -215,6 +216,7 @@ class _Sweep:
         self.found = found
         self.notes = (found.law_warnings, found.energy_warnings, found.jump_warnings)
         self.unmade: set[int] = set()
+        self._taken = found._taken()
         self._store = store
         self._paths: dict[int, Path] = {}
 
@@ -231,16 +233,25 @@ class _Sweep:
             if stored is None:
                 yield case
             else:
+                self._check_names(stored)
                 self._keep(number, stored)
                 bar.total -= _seconds(run | parameters)
                 self.tell(bar)
 
     def take(self, case: Case, outcome: Outcome) -> None:
         """Take the outcome of a case; store it, unless it is the executor that failed."""
+        self._check_names(outcome)
         if self._store is not None and outcome.made:
             parameters = self.found.cases[case.number]
             self._store.put(self._paths[case.number], case, outcome, parameters)
         self._keep(case.number, outcome)
+
+    def _check_names(self, outcome: Outcome) -> None:
+        """End the sweep where a measured name is taken: it would be so in every case."""
+        if isinstance(outcome.error, NameTaken):
+            raise outcome.error
+        if outcome.error is None and self.found._measured:
+            check_names_of(outcome.value, self._taken)
 
     def _keep(self, number: int, outcome: Outcome) -> None:
         found = self.found

@@ -180,6 +180,22 @@ def test_failed_cases_are_counted_told_and_repeated_on_demand():
     assert told["errors"]["0"].startswith("SimulationError: step size fell")
 
 
+@pytest.mark.filterwarnings("default")
+def test_arrays_of_different_length_leave_the_table_complete(tmp_path):
+    (tmp_path / "measures.py").write_text(
+        "def times(result):\n    return {'time': result.time, 'end': result.time[-1]}\n"
+    )
+    (tmp_path / "times.toml").write_text(
+        'drive = "paper"\nmeasure = "measures.py:times"\n[axes]\nduration = [1e-3, 2e-3]\n'
+    )
+    done = rustchain("sweep", "times.toml")
+    assert done.exit_code == 0, done.output
+    assert "warning: measure: 'time' has shape (11,) in one case and (21,)" in done.output
+    table = pd.read_csv("times.csv")
+    assert list(table["end"]) == [1e-3, 2e-3]
+    assert list(table["time_20"].isna()) == [True, False]
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

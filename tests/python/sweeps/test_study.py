@@ -224,8 +224,6 @@ BRIEF = {"runs": 2, "duration": 4e-3, "burn_in": 2e-3, "energy": False, "progres
     [
         ("text", "gave 'text': must be a number"),
         ({"a": "text"}, "gave 'text' for 'a': must be a number"),
-        ({"run": 1.0}, "'run' is what a study calls something else"),
-        ({"statistic": 1.0}, "'statistic' is what a study"),
         ({1: 1.0}, "1 is no name"),
         (1j, "complex numbers"),
     ],
@@ -235,6 +233,12 @@ def test_what_has_no_mean_is_refused(measured, text):
         study = rc.study(rc.paper_drive(), lambda _: measured, **BRIEF)
     with pytest.raises(rc.NotRecorded, match=text):
         study.to_pandas()
+
+
+@pytest.mark.parametrize("name", ["run", "statistic"])
+def test_a_name_that_a_study_has_is_refused_with_the_first_run(name):
+    with pytest.raises(rc.InvalidInput, match=f"'{name}' is what a study calls something else"):
+        rc.study(rc.paper_drive(), lambda _: {name: 1.0}, **BRIEF)
 
 
 def test_a_run_without_a_value_does_not_count():

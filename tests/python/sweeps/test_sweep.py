@@ -134,10 +134,30 @@ def test_laws_of_one_kind_are_told_apart():
 
 
 def test_measuring_arrays_of_different_shapes_leaves_them_as_values():
-    swept = rc.sweep(PAPER, {"duration": [1e-3, 2e-3]}, lambda r: r.time, progress=False)
-    assert [len(time) for time in swept.values] == [11, 21]
-    with pytest.raises(rc.InvalidInput, match=r"'value' has shape \(11,\) .* and \(21,\)"):
-        swept.to_xarray()
+    def measure(result):
+        return {"time": result.time, "end": result.time[-1]}
+
+    swept = rc.sweep(PAPER, {"duration": [1e-3, 2e-3]}, measure, progress=False)
+    assert [len(value["time"]) for value in swept.values] == [11, 21]
+    with pytest.warns(
+        UserWarning, match=r"'time' has shape \(11,\) .* and \(21,\) in another: NaN"
+    ):
+        data = swept.to_xarray()
+    assert data["time"].shape == (2, 21)
+    np.testing.assert_array_equal(data["time"].isnull().sum("time_0"), [10, 0])
+    np.testing.assert_array_equal(data["time"][0, :11], swept.values[0]["time"])
+    with pytest.warns(UserWarning, match="NaN fills the table"):
+        assert list(swept.to_pandas()["end"]) == [1e-3, 2e-3]
+
+
+def test_a_number_and_an_array_stand_in_one_table():
+    def measure(result):
+        return 3.0 if len(result.time) == 11 else [[1.0, 2.0]]
+
+    swept = rc.sweep(PAPER, {"duration": [1e-3, 2e-3]}, measure, progress=False)
+    with pytest.warns(UserWarning, match="NaN fills the table"):
+        data = swept.to_xarray()
+    np.testing.assert_array_equal(data["value"], [[[3.0, np.nan]], [[1.0, 2.0]]])
 
 
 def test_whole_numbers_stay_whole_where_nothing_is_missing():
@@ -156,10 +176,24 @@ def test_results_are_kept_or_measured_and_each_says_so():
         _ = measured.results
 
 
-def test_a_measured_quantity_may_not_have_the_name_of_an_axis():
-    swept = rc.sweep(PAPER, {"speed": [1.0]}, lambda r: {"speed": 1.0}, **SHORT)
-    with pytest.raises(rc.InvalidInput, match="'speed' is a parameter of the sweep too"):
-        swept.to_xarray()
+@pytest.mark.parametrize("name", ["speed", "error", "case"])
+def test_a_measured_name_that_is_taken_ends_the_sweep_with_its_first_case(name, tmp_path):
+    calls = []
+
+    def measure(result):
+        calls.append(1)
+        return {"peak": 1.0, name: 1.0}
+
+    axes = {"speed": [1.0, 2.0, 3.0, 4.0]}
+    for store in (None, tmp_path):
+        with pytest.raises(rc.InvalidInput, match=f"measure: '{name}' is the name of a parameter"):
+            rc.sweep(PAPER, axes, measure, store=store, threads=1, **SHORT)
+    assert len(calls) == 2
+    assert list(tmp_path.iterdir()) == []
+    calls.clear()
+    with pytest.raises(rc.InvalidInput, match=f"'{name}' is"):
+        rc.study(PAPER, measure, axes=axes, threads=1, burn_in=0.0, **SHORT)
+    assert len(calls) == 1
 
 
 # --- parameters
