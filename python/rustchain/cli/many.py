@@ -60,7 +60,8 @@ def sweep(
 ) -> None:
     """Run a drive with other parameters many times, and write a table of the results.
 
-    Ctrl-C keeps what is done. With --store, the same command continues an interrupted sweep.
+    Ctrl-C keeps what is done; where there is a table of before, in sweep.partial.csv beside it.
+    With --store, the same command continues an interrupted sweep.
     """
     output = Output(as_json, quiet)
     with clear_errors():
@@ -83,7 +84,7 @@ def sweep(
                 )
             except rc.InvalidInput as error:
                 raise described.refusal(error) from error
-        _write(path, found.to_pandas, found.to_xarray)
+        path = _written(path, found, found.to_pandas, found.to_xarray, output)
         _tell(found, path, store, output)
     _leave(found)
 
@@ -153,7 +154,8 @@ def study(
         table = found.to_pandas()
         output.say(table.to_string(float_format=lambda number: f"{number:.5g}"))
         if path is not None:
-            _write(path, found.to_pandas, lambda: found.statistics)
+            data = lambda: found.statistics  # noqa: E731
+            path = _written(path, found.sweep, found.to_pandas, data, output)
         rows = table.reset_index().to_dict("records")
         _tell(found.sweep, path, store, output, {"statistics": rows})
     _leave(found.sweep)
@@ -177,12 +179,25 @@ def _table(path: Path) -> Path:
     return path
 
 
-def _write(path: Path, frame: Callable[[], pd.DataFrame], data: Callable[[], xr.Dataset]) -> None:
-    """Write a table or a dataset whole."""
+def _written(
+    path: Path,
+    found: rc.SweepResult,
+    frame: Callable[[], pd.DataFrame],
+    data: Callable[[], xr.Dataset],
+    output: Output,
+) -> Path:
+    """Write a table or a dataset whole; return its file, which is another than a table of before.
+
+    A table of an interrupted sweep lacks cases that the one of before may have.
+    """
+    if found.status == "interrupted" and path.exists():
+        output.say(f"{path}: is kept as it was, for the sweep was interrupted")
+        path = path.with_suffix(f".partial{path.suffix}")
     if path.suffix == ".csv":
         write_whole(path, frame().to_csv().encode(), "out")
     else:
         netcdf.write(data(), path)
+    return path
 
 
 def _tell(

@@ -342,6 +342,23 @@ def test_ctrl_c_keeps_what_is_done_and_the_command_goes_on(executor, tmp_path):
     assert len(list(runs.glob("*.nc"))) == 4
 
 
+def interrupted(*_):
+    raise KeyboardInterrupt
+    yield
+
+
+def test_an_interrupted_sweep_leaves_the_table_of_before(monkeypatch):
+    assert rustchain("sweep", "sweep.toml").exit_code == 0
+    before = Path("sweep.csv").read_bytes()
+    monkeypatch.setattr("rustchain.sweeps.sweep.run_here", interrupted)
+    done = rustchain("sweep", "sweep.toml")
+    assert done.exit_code == 130
+    assert "sweep.csv: is kept as it was" in done.output
+    assert "interrupted: 0 of 8 cases finished, 0 failed: sweep.partial.csv" in done.output
+    assert Path("sweep.csv").read_bytes() == before
+    assert len(pd.read_csv("sweep.partial.csv")) == 8
+
+
 def _runs(pid):
     """Return whether a process is there and has not ended."""
     try:
