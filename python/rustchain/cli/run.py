@@ -62,7 +62,13 @@ def run(
     ] = None,
     settings: Settings = None,
     out: Annotated[
-        Path | None, typer.Option(help="File to write (netCDF); run.nc, where the file has none.")
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            help="File to write (netCDF); by default that of the file, or my_drive.nc of "
+            "my_drive.toml.",
+        ),
     ] = None,
     memory: Annotated[
         str | None, typer.Option(help="Most memory that rows take; 256 MB by default.")
@@ -97,9 +103,11 @@ def run(
         }
         scene = scene.changed(simulation, solver, _given(reports) | {"progress": output.progress})
         scene = scene if memory is None else replace(scene, memory=memory)
-        path = out or scene.out or Path("run.nc")
+        path = out or scene.out or Path(f"{Path(drive).stem}.nc")
         _check_netcdf(path)
         make_room(path)
+        if path.exists():
+            output.say(f"{path}: is there and will be replaced")
         try:
             result = scene.run_simulation(scene.simulate(), path)
         except (rc.SimulationError, OSError) as error:

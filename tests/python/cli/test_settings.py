@@ -288,8 +288,8 @@ def test_the_command_in_a_terminal_of_its_own(tmp_path):
         capture_output=True, text=True, cwd=tmp_path,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["file"] == "run.nc"
-    assert rc.load_result(tmp_path / "run.nc").success
+    assert json.loads(done.stdout)["file"] == "paper.nc"
+    assert rc.load_result(tmp_path / "paper.nc").success
     wrong = subprocess.run(
         [*called, "check", "papre"], capture_output=True, text=True, cwd=tmp_path
     )
