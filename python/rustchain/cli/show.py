@@ -88,8 +88,7 @@ def animate(
         )
         output.say(path)
         output.document({"file": path, "status": result.status})
-    if result.status == "interrupted":
-        raise typer.Exit(INTERRUPTED)
+    _leave(source, result)
 
 
 def report(
@@ -122,7 +121,17 @@ def report(
         result.report(path, start=start, end=end, breaking_load=breaking_load)
         output.say(path)
         output.document({"file": path, "status": result.status})
-    if result.status == "interrupted":
+    _leave(source, result)
+
+
+def _is_result(source: str) -> bool:
+    """Return whether a source is a file of results, by its name."""
+    return Path(source).suffix.lower() in ENDINGS
+
+
+def _leave(source: str, result: rc.Result) -> None:
+    """Leave with the code of Ctrl-C where the command ran the drive and was interrupted."""
+    if result.status == "interrupted" and not _is_result(source):
         raise typer.Exit(INTERRUPTED)
 
 
@@ -130,7 +139,7 @@ def result_of(
     source: str, duration: float | None, settings: list[str] | None, output: Output
 ) -> rc.Result:
     """Return the result in a file, or that of a drive's run with all that can be recorded."""
-    if Path(source).suffix.lower() in ENDINGS:
+    if _is_result(source):
         if settings or duration is not None:
             fail(f"{source}: has been run; --set and --duration are for a drive")
         return rc.load_result(source)

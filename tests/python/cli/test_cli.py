@@ -155,6 +155,28 @@ def test_ctrl_c_saves_what_there_is(tmp_path):
     assert rc.load_result(tmp_path / "run.nc").status == "interrupted"
 
 
+def test_a_stored_result_that_was_interrupted_is_shown_without_the_code_of_ctrl_c(tmp_path):
+    out = tmp_path / "run.nc"
+    with cores_within(Interrupted):
+        rustchain("run", "paper", "--out", out, "--record", "hinges,teeth,sprockets,bodies,energy")
+        ran = rustchain("report", "paper", "-o", tmp_path / "paper.html")
+    shown = rustchain("report", out, "-o", tmp_path / "run.html")
+    assert rc.load_result(out).status == "interrupted"
+    assert (ran.exit_code, shown.exit_code) == (130, 0), shown.output
+
+
+def test_a_run_is_written_to_the_name_of_its_drive_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rc.save_scene(rc.Scene(rc.paper_drive()), "my_drive.toml")
+    for name, path in (("my_drive.toml", "my_drive.nc"), ("paper", "paper.nc")):
+        for said in (False, True):
+            done = rustchain("run", name, "--duration", 1e-3)
+            assert done.exit_code == 0, done.output
+            assert rc.load_result(path).success
+            assert (f"{path}: is there and will be replaced" in done.output) == said
+    assert not (tmp_path / "run.nc").exists()
+
+
 def test_the_version_is_printed():
     assert rustchain("--version").output == f"rustchain {rc.__version__}\n"
 
