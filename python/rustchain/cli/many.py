@@ -25,7 +25,7 @@ from rustchain.cli.common import (
 )
 from rustchain.cli.executors import Where, executor_of
 from rustchain.extras import typer
-from rustchain.files.sweep import SweepFile, measure_of
+from rustchain.files.sweep import SweepFile, check_figures, measure_of
 from rustchain.paths import write_whole
 from rustchain.results import netcdf
 
@@ -72,6 +72,7 @@ def sweep(
         run = {"duration": 2.0, **scene.run}
         with executor_of(executor) as where:
             try:
+                described.check(scene.scene, run["duration"])
                 found = rc.sweep(
                     scene.scene,
                     described.axes,
@@ -134,10 +135,12 @@ def study(
         run = {"duration": 0.5, **scene.run}
         run |= {} if duration is None else {"duration": duration}
         grid = dict(named_value("--axis", each) for each in axes or ())
+        figures = None if given is None else measure_of(given, 0.0, Path())
+        check_figures(figures, scene.scene, grid)
         with executor_of(executor) as where:
             found = rc.study(
                 scene.scene,
-                None if given is None else measure_of(given, 0.0, Path()),
+                figures,
                 **run,
                 **where,
                 runs=runs,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias, get_type_hints
 
+from rustchain import _rustchain
 from rustchain.arguments import shown
+from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.files.models import Field
 from rustchain.files.reader import ANY, Reader
@@ -17,6 +19,7 @@ from rustchain.files.scene import SceneFile
 from rustchain.files.source import Key, Source, text_of
 from rustchain.names import suggest
 from rustchain.results.result import Result
+from rustchain.sweeps.cases import cases_of, check_burn_in
 from rustchain.sweeps.samples import samples
 
 Axes: TypeAlias = dict[str | tuple[str, ...], Any]
@@ -93,6 +96,10 @@ class FunctionOfFile:
     text: str
     burn_in: float = 0.0
 
+    def _identity(self) -> tuple[object, ...]:
+        """Return what a store finds a case by: the file may lie in any folder."""
+        return self.name, self.text, self.burn_in
+
     def __call__(self, result: Result) -> Any:  # noqa: ANN401
         """Return what the function returns of a run."""
         part = result.between(start=self.burn_in) if self.burn_in > 0.0 else result
@@ -144,6 +151,24 @@ def measure_of(given: object, burn_in: float, folder: Path) -> Callable[[Result]
     return Figures(tuple(listed), burn_in)
 
 
+def check_figures(measure: object, scene: Scene, varied: Collection[str]) -> None:
+    """Refuse figures of strands and sprockets that a scene lacks.
+
+    Nothing is refused where an axis changes what a drive consists of: its sprockets or ends.
+    """
+    names = getattr(measure, "names", ())
+    if scene.kind != "drive" or any(n in ("sprockets", "ends", "system") for n in varied):
+        return
+    strands = [f"tension_{name}" for name in _rustchain.strand_names(scene.drive)]
+    numbers = range(2, len(scene.drive.sprockets) + 1)
+    own = [f"{kind}_{k}" for kind in ("transmission_error", "ripple") for k in numbers]
+    own += [*strands, *(f"{name}_std" for name in strands)]
+    for name in names:
+        if name not in own and (name.startswith("tension_") or _OF_MORE.fullmatch(name)):
+            msg = f"measure: {shown(name)} is no figure of this drive; {suggest(name, own)}"
+            raise InvalidInput(msg)
+
+
 @dataclass(frozen=True)
 class SweepFile:
     """The content of a sweep file.
@@ -175,13 +200,30 @@ class SweepFile:
         """
         return _SweepReader(Source.of(path, "sweep file")).sweep(drive)
 
+    def check(self, scene: Scene, duration: object) -> None:
+        """Refuse, before anything runs, what no case of a scene can be measured by.
+
+        Raises
+        ------
+        InvalidInput
+            The burn-in leaves nothing of a case, or the drive has no such figure.
+        """
+        cases = cases_of(self.axes)[1]
+        check_burn_in(getattr(self.measure, "burn_in", 0.0), duration, cases)
+        check_figures(self.measure, scene, {name for case in cases for name in case})
+
     def refusal(self, error: InvalidInput) -> InvalidInput:
         """Return an error of the sweep with the place of the parameter that it names."""
         if self._source is None:
             return error
         keys = [key for key in self._source.places if len(key) > 1 and isinstance(key[1], str)]
-        named = [key for key in keys if repr(key[1]) in str(error)]
-        return self._source.refusal_at(named[0] if named else ("axes",), str(error))
+        text = str(error)
+        for name in ("burn_in", "measure"):
+            if text.startswith(name):
+                told = text.removeprefix("measure: ").removeprefix("burn_in = ")
+                return self._source.refusal_at((name,), told)
+        named = [key for key in keys if repr(key[1]) in text]
+        return self._source.refusal_at(named[0] if named else ("axes",), text)
 
 
 class _SweepReader(Reader):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 from typing import Any, TypeAlias
 
-from rustchain.arguments import count_within, items_within, plain, shown
+from rustchain.arguments import count_within, finite_number, items_within, plain, shown
 from rustchain.errors import InvalidInput
 
 Parameters: TypeAlias = dict[str, Any]
@@ -81,6 +81,21 @@ def cases_of(axes: object) -> tuple[Axes | None, list[Parameters]]:
         )
         raise InvalidInput(msg)
     return None, [{name: plain(value) for name, value in case.items()} for case in listed]
+
+
+def check_burn_in(burn_in: object, duration: object, cases: Iterable[Parameters]) -> None:
+    """Refuse a time that is not measured [s] of which a case leaves nothing.
+
+    Durations that are no positive numbers are refused elsewhere.
+    """
+    durations = (finite_number(case.get("duration", duration)) for case in cases)
+    shortest = min((each for each in durations if each is not None and each > 0), default=math.inf)
+    value = finite_number(burn_in)
+    if value is None or not 0.0 <= value < shortest:
+        msg = (
+            f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {shortest:g} s"
+        )
+        raise InvalidInput(msg)
 
 
 def _parameters(axes: Axes, values: tuple[Any, ...]) -> Parameters:

@@ -20,7 +20,7 @@ from rustchain.simulation.run import Group
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
 from rustchain.sweeps.axes import System
-from rustchain.sweeps.cases import MOST_CASES, axes_of, names_of
+from rustchain.sweeps.cases import MOST_CASES, axes_of, cases_of, check_burn_in, names_of
 from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.running import DaskClient
@@ -240,13 +240,7 @@ def study(
     if "replicate" in names:
         msg = "axes: 'replicate' is what makes the runs of a study; say how many by runs=..."
         raise InvalidInput(msg)
-    durations = map(finite_number, grid.get("duration", ()))
-    shortest = min([duration, *(each for each in durations if each is not None)])
-    if not 0.0 <= burn_in < shortest:
-        msg = (
-            f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {shortest:g} s"
-        )
-        raise InvalidInput(msg)
+    check_burn_in(burn_in, duration, cases_of(grid)[1])
     known = (*names, "run", "replicate", "statistic", "measure")
     found = sweep(
         scene,

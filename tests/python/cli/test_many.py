@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 import rustchain as rc
 from rustchain.cli.app import app
 from rustchain.files.scene import SceneFile
-from rustchain.files.sweep import SweepFile, measure_of
+from rustchain.files.sweep import SweepFile, check_figures, measure_of
 from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
 from rustchain.sweeps.cases import cases_of
 
@@ -232,6 +232,45 @@ def test_a_mistake_in_a_sweep_file_is_told_with_its_place(text, said, tmp_path):
     assert "Traceback" not in done.output
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("burn_in = 2.0\n[axes]\nrtol=[1e-5]", "line 2, column 1: burn_in: 2.0: must be from 0"),
+        ("burn_in = -1\n[axes]\nrtol=[1e-5]", "burn_in: -1: must be from 0 to less than the dur"),
+        ("burn_in = nan\n[axes]\nrtol=[1e-5]", "burn_in: nan: must be from 0"),
+        ("burn_in = 0.1\n[axes]\nduration=[0.1, 1.0]", "less than the duration, 0.1 s"),
+        ('burn_in = 0.1\n[axes]\n"duration, rtol"=[[0.1, 1e-5]]', "less than the duration, 0.1 s"),
+        ('measure = "transmission_error_3"\n[axes]\nrtol=[1e-5]',
+         "line 2, column 1: measure: 'transmission_error_3' is no figure of this drive; did you"),
+        ('measure = ["tension_upper-1"]\n[axes]\nrtol=[1e-5]',
+         "'tension_upper-1' is no figure of this drive"),
+    ],
+)  # fmt: skip
+def test_what_no_case_can_be_measured_by_is_told_before_a_run(text, said, tmp_path, monkeypatch):
+    monkeypatch.setattr("rustchain.sweeps.sweep.run_here", lambda *_: pytest.fail("it ran"))
+    (tmp_path / "bad.toml").write_text(f'drive = "paper"\n{text}\n')
+    done = rustchain("sweep", "bad.toml")
+    assert done.exit_code == 1
+    assert said in done.output
+    if "burn_in" not in text:
+        done = rustchain("study", "paper", "--measure", re.findall(r"'(t\w.*?)' is", said)[0])
+        assert "is no figure of this drive" in done.output
+
+
+def test_a_burn_in_counts_against_the_durations_of_the_cases(tmp_path):
+    (tmp_path / "short.toml").write_text(
+        'drive = "paper"\nmeasure = "tension_upper"\nburn_in = 2e-3\n'
+        "[axes]\nduration = [4e-3]\n[run]\nduration = 1e-3\n"
+    )
+    done = rustchain("sweep", "short.toml")
+    assert done.exit_code == 0, done.output
+    found = rc.study(
+        rc.paper_drive(), runs=2, duration=1e-3, burn_in=2e-3, axes={"duration": [4e-3]},
+        progress=False,
+    )  # fmt: skip
+    assert found.sweep.success
+
+
 def test_each_figure_of_a_summary_is_known_before_a_run():
     four = [rc.Sprocket(17, center) for center in ((0, 0), (0.3, 0), (0.3, 0.3), (0, 0.3))]
     four[0] = replace(four[0], motion=rc.PrescribedSpeed(12.0))
@@ -242,7 +281,9 @@ def test_each_figure_of_a_summary_is_known_before_a_run():
     mechanism = rc.paper_drive().to_mechanism()
     for system in (*drives, rc.paper_drive(hinges="ideal"), mechanism):
         names = list(rc.Simulation(system).run(5e-3, progress=False).summary())
-        assert measure_of(names, 0.0, Path()).names == tuple(names)
+        measure = measure_of(names, 0.0, Path())
+        assert measure.names == tuple(names)
+        check_figures(measure, rc.Simulation(system).scene, ())
 
 
 def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path):
