@@ -1,5 +1,6 @@
 """The command `rustchain`."""
 
+import signal
 import sys
 
 from rustchain.errors import MissingExtra
@@ -11,4 +12,6 @@ def main() -> None:
         from rustchain.cli.app import app
     except MissingExtra as error:
         sys.exit(f"error: {error}")
+    # Ended by a scheduler or a supervisor, a command keeps what is there as after Ctrl-C.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     app()

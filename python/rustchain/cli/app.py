@@ -15,7 +15,7 @@ from rustchain.extras import typer
 
 _EXIT_CODES = (
     "Exit codes: 0 done; 1 error; 2 wrong command line; 3 cases of a sweep or study have failed; "
-    "130 ended by Ctrl-C, what is there is kept."
+    "130 ended by Ctrl-C or SIGTERM, what is there is kept."
 )
 
 app = typer.Typer(

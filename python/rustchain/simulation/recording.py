@@ -72,17 +72,31 @@ class Recording:
         self._stream = Stream(out, empty, piece.chunk)
 
     def run(self, duration: float, progress: bool, looks: Sequence[Look]) -> Result:
-        """Advance to the end of the recording and return the result, as `Simulation.run`."""
+        """Advance to the end of the recording and return the result, as `Simulation.run`.
+
+        What ends it otherwise, such as an exception of a callback or `SystemExit`, has the rows as
+        ``result``; so has a warning that is raised.
+        """
         try:
             try:
                 reason = self._advance(duration, progress, looks)
-                return self.result("finished" if reason is None else "stopped", reason)
+                result = self.result("finished" if reason is None else "stopped", reason)
             except KeyboardInterrupt:
-                return self.result("interrupted")
-        except Exception as error:  # what a callback raised, too
-            told = str(error) if isinstance(error, SimulationError) else repr(error)
-            error.result = self.result("failed", told)  # type: ignore[attr-defined]
+                result = self.result("interrupted")
+        except KeyboardInterrupt:  # again, while the file is ended
             raise
+        except BaseException as error:
+            told = str(error) if isinstance(error, SimulationError) else repr(error)
+            status: Status = "failed" if isinstance(error, Exception) else "interrupted"
+            error.result = self.result(status, told)  # type: ignore[attr-defined]
+            raise
+        self._core.take_recording()  # by which the energy balance of a file is judged, too
+        try:
+            self._simulation._warn()
+        except Warning as warning:
+            warning.result = result  # type: ignore[attr-defined]
+            raise
+        return result
 
     def _advance(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
         """Advance to the end of the recording, or return why to stop at a report before it."""

@@ -106,6 +106,40 @@ print(json.dumps(dict(
     assert said["last"] == pytest.approx(said["stopped"] + 1e-3)
 
 
+@pytest.mark.parametrize("out", [None, "run.nc"])
+@pytest.mark.parametrize("raised", [SystemExit, GeneratorExit])
+def test_an_exit_keeps_the_rows_of_a_run(raised, out, tmp_path):
+    def callback(simulation):
+        if simulation.time > 1e-3:
+            raise raised(3)
+
+    path = None if out is None else tmp_path / out
+    simulation = rc.Simulation(rc.paper_drive())
+    with pytest.raises(raised) as caught:
+        simulation.run(5e-3, callback=callback, out=path, progress=False)
+    result = caught.value.result
+    assert (result.status, len(result.time)) == ("interrupted", 12)
+    if path is not None:
+        assert rc.load_result(path).status == "interrupted"
+
+
+def test_sigterm_ends_the_command_as_ctrl_c_does(tmp_path):
+    path = tmp_path / "run.nc"
+    called = ["run", "paper", "--duration", str(FAR), "--report-step", "1e-3", "--out", str(path)]
+    running = subprocess.Popen(
+        [sys.executable, "-m", "rustchain", *called],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    while running.poll() is None and not path.exists():
+        time.sleep(0.05)
+    time.sleep(0.5)
+    running.terminate()
+    out, err = running.communicate()
+    assert running.returncode == 130, err
+    assert "interrupted at t = " in out
+    assert rc.load_result(path).status == "interrupted"
+
+
 def test_an_interrupted_step_to_leaves_the_simulation_where_it_is():
     done = child(
         f"""

@@ -76,3 +76,14 @@ def test_no_warning_of_the_package_counts_frames_itself():
         if re.search(r"warnings\.warn\(|stacklevel", path.read_text("utf-8"))
     ]
     assert found == ["caller.py"]
+
+
+@pytest.mark.parametrize("out", [None, "run.nc"])
+def test_a_warning_raised_as_an_error_has_the_result_of_its_run(out, tmp_path):
+    simulation = rc.Simulation(PAPER, OUTSIDE)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", rc.RangeWarning)
+        with pytest.raises(rc.RangeWarning) as caught:
+            simulation.run(8e-3, out=None if out is None else tmp_path / out, progress=False)
+    assert caught.value.result.success
+    assert len(caught.value.result.time) == 81
