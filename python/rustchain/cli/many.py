@@ -28,6 +28,7 @@ from rustchain.extras import typer
 from rustchain.files.sweep import SweepFile, check_figures, measure_of
 from rustchain.paths import write_whole
 from rustchain.results import netcdf
+from rustchain.sweeps.case_run import told
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -213,7 +214,7 @@ def _tell(
     """Print the end of a sweep and its failed cases."""
     failed = list(found.errors.items())
     for number, error in failed[:_SHOWN]:
-        typer.echo(f"case {number} {found.cases[number]}: {error}", err=True)
+        typer.echo(f"case {number} {found.cases[number]}: {told(error)}", err=True)
     if len(failed) > _SHOWN:
         where = "" if path is None else f"; all of them in {path}"
         typer.echo(f"and {len(failed) - _SHOWN} more{where}", err=True)
@@ -228,7 +229,7 @@ def _tell(
             "finished": found.finished,
             "failed": len(failed),
             "file": path,
-            "errors": {number: f"{type(error).__name__}: {error}" for number, error in failed},
+            "errors": {number: told(error) for number, error in failed},
         }
         | (more or {})
     )

@@ -96,7 +96,7 @@ class FunctionOfFile:
     text: str
     burn_in: float = 0.0
 
-    def _identity(self) -> tuple[object, ...]:
+    def _identity_in_store(self) -> tuple[object, ...]:
         """Return what a store finds a case by: the file may lie in any folder."""
         return self.name, self.text, self.burn_in
 

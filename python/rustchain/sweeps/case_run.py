@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import pickle
+import sysconfig
 import threading
+import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from rustchain.arguments import finite_number
@@ -16,6 +19,8 @@ from rustchain.simulation.run import known_groups
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
 from rustchain.sweeps.cases import Parameters
+
+_RAISED = "raised at "
 
 Measure: TypeAlias = Callable[[Result], Any]
 Notes: TypeAlias = tuple[list[str], list[str], list[str]]
@@ -88,12 +93,45 @@ class Quiet(Simulation):
         return super()._slice()
 
 
+_OTHERS = (
+    str(Path(__file__).parents[1]),
+    *(sysconfig.get_paths()[name] for name in ("stdlib", "purelib", "platlib")),
+)
+"""Where code lies that is not the user's."""
+
+
+def lean(error: Exception) -> Exception:
+    """Return an error without its frames, which hold all that the run has, such as the result.
+
+    A note has the line of the user's code that it is of.
+    """
+    lines = [
+        f"{_RAISED}{Path(frame.f_code.co_filename).name}, line {line}"
+        for frame, line in traceback.walk_tb(error.__traceback__)
+        if not frame.f_code.co_filename.startswith((*_OTHERS, "<frozen"))
+    ]
+    error.__notes__ = [*getattr(error, "__notes__", ()), *lines[-1:]]
+    chain: list[BaseException] = [error]
+    for each in chain:
+        each.__traceback__ = None
+        others = (each.__cause__, each.__context__)
+        chain += [other for other in others if other is not None and other not in chain]
+    return error
+
+
+def told(error: Exception) -> str:
+    """Return an error in words, with the line of the user's code that it is of."""
+    notes = getattr(error, "__notes__", ())
+    places = [f" ({note.removeprefix(_RAISED)})" for note in notes if note.startswith(_RAISED)]
+    return f"{type(error).__name__}: {error}{''.join(places[:1])}"
+
+
 def run_and_measure(case: Case, *, looks: Looks, measure: Measure | None) -> Outcome:
     """Run and measure a case, in whatever process; return what can be sent back."""
     try:
         simulation = Quiet(case.scene)
     except Exception as error:  # what is refused
-        return Outcome(error=_sendable(error), made=False)
+        return Outcome(error=_sendable(lean(error)), made=False)
     outcome = measured(run_case(case, simulation, looks), measure)
     failure = outcome.error
     return outcome if failure is None else outcome._replace(error=_sendable(failure))
@@ -105,7 +143,8 @@ def _sendable(error: Exception) -> Exception:
         pickle.loads(pickle.dumps(error))
     except Exception as reason:  # whatever a class of the user's does
         found = RustchainError(f"{type(error).__name__}: {error}")
-        found.__notes__ = [f"the error itself cannot be sent to another process: {reason}"]
+        notes = getattr(error, "__notes__", ())
+        found.__notes__ = [*notes, f"the error itself cannot be sent to another process: {reason}"]
         return found
     return error
 
@@ -123,7 +162,7 @@ def run_case(
         stop, callback = looks.stop, looks.callback
         result = simulation.run(**case.run, progress=False, stop=stop, callback=callback)
     except Exception as error:  # a callback of the user's may raise anything
-        failure = error
+        failure = lean(error)
     if result is not None and result.status == "interrupted":
         raise KeyboardInterrupt
     # With the first row, an error has the rows until then.
@@ -138,4 +177,4 @@ def measured(outcome: Outcome, measure: Measure | None) -> Outcome:
     try:
         return outcome._replace(value=measure(outcome.value))
     except Exception as raised:  # a function of the user's may raise anything
-        return outcome._replace(value=None, error=raised)
+        return outcome._replace(value=None, error=lean(raised))

@@ -104,7 +104,7 @@ def _code(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
 def _object(value: Any, seen: _Seen) -> list[Any]:  # noqa: ANN401
     """Return the class of an object and its content."""
     kind = type(value)
-    if (identity := getattr(kind, "_identity", None)) is not None:
+    if (identity := getattr(kind, "_identity_in_store", None)) is not None:
         return [kind.__qualname__, _part(identity(value), seen)]
     try:
         content = hashlib.sha256(pickle.dumps(value, protocol=4)).hexdigest()

@@ -18,6 +18,7 @@ from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 from rustchain.results.result import Result
 from rustchain.results.values import ArrayValue
+from rustchain.sweeps.case_run import told
 from rustchain.sweeps.cases import Axes, Parameters, dims_of, names_of
 from rustchain.sweeps.measure import check_names_of
 
@@ -159,7 +160,7 @@ class SweepResult(ArrayValue, HtmlView):
                 columns[label] = values[(slice(None), *place)]
         table = pd.DataFrame(columns, index=pd.RangeIndex(len(self.cases), name="case"))
         if self.errors:
-            table["error"] = pd.Series({n: _told(error) for n, error in self.errors.items()})
+            table["error"] = pd.Series({n: told(error) for n, error in self.errors.items()})
         return table
 
     def _taken(self) -> set[str]:
@@ -185,11 +186,6 @@ class SweepResult(ArrayValue, HtmlView):
         )
         check_names_of(names, self._taken())
         return {str(name): _stacked(str(name), [row.get(name) for row in rows]) for name in names}
-
-
-def _told(error: Exception) -> str:
-    """Return an error in words."""
-    return f"{type(error).__name__}: {error}"
 
 
 def _stacked(name: str, values: Sequence[Any]) -> _Values:

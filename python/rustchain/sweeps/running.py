@@ -28,6 +28,7 @@ from rustchain.sweeps.case_run import (
     Measure,
     Outcome,
     Quiet,
+    lean,
     measured,
     run_and_measure,
     run_case,
@@ -92,7 +93,7 @@ def _run_in_pool(
             compiled.append(_compiled(case))
             ready.append(case)
         except Exception as error:  # what is refused
-            yield case, Outcome(error=error, made=False)
+            yield case, Outcome(error=lean(error), made=False)
     if not ready:
         return
     ensemble, before = _rustchain.Ensemble(compiled, threads), bar.n
@@ -214,7 +215,7 @@ def _in_turn(
                 try:
                     future = submit(case)
                 except Exception as error:  # of a scene, or of a pool that is broken or closed
-                    yield case, Outcome(error=error, made=False)
+                    yield case, Outcome(error=lean(error), made=False)
                     continue
                 waiting[future] = case
                 future.add_done_callback(ended.put)

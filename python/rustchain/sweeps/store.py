@@ -325,11 +325,22 @@ def _plain(array: Any) -> Any:  # noqa: ANN401
 
 def _written(error: Exception) -> dict[str, Any]:
     """Return an error as text, and numbers that it has."""
-    numbers = {name: getattr(error, name, None) for name in _OF_ERRORS}
-    return {"type": type(error).__name__, "message": str(error)} | numbers
+    own = {name: getattr(error, name, None) for name in _OF_ERRORS}
+    numbers = {n: value for n, value in own.items() if isinstance(value, float | str | None)}
+    notes = [str(note) for note in getattr(error, "__notes__", ())]
+    # The text of a KeyError is that of its argument in quotes.
+    message = error.args[0] if isinstance(error, KeyError) and len(error.args) == 1 else error
+    return {"type": type(error).__name__, "message": str(message), "notes": notes} | numbers
 
 
 def _error(about: Mapping[str, Any]) -> Exception:
+    """Return the error that was written, with its notes."""
+    error = _error_of(about)
+    error.__notes__ = about.get("notes", [])
+    return error
+
+
+def _error_of(about: Mapping[str, Any]) -> Exception:
     """Return the error that was written: of its own class where that is one of Python or ours."""
     name, message = about["type"], about["message"]
     kind = getattr(rustchain.errors, name, None) or getattr(builtins, name, None)
@@ -340,6 +351,6 @@ def _error(about: Mapping[str, Any]) -> Exception:
     except TypeError:  # some take more than a message
         return RustchainError(f"{name}: {message}")
     for each in _OF_ERRORS:
-        if about[each] is not None:
+        if about.get(each) is not None:
             setattr(error, each, about[each])
     return error

@@ -22,7 +22,7 @@ from rustchain.simulation.run import Bar, Group, check_progress, seconds_bar
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition, check_looks
 from rustchain.sweeps.axes import System, case_of, check_names
-from rustchain.sweeps.case_run import Case, Looks, Outcome
+from rustchain.sweeps.case_run import Case, Looks, Outcome, lean, told
 from rustchain.sweeps.cases import Parameters, cases_of
 from rustchain.sweeps.measure import NameTaken, check_names_of
 from rustchain.sweeps.result import SweepResult
@@ -120,7 +120,8 @@ def sweep(
     Returns
     -------
     SweepResult
-        After Ctrl-C with status "interrupted" and the cases that had finished.
+        After Ctrl-C with status "interrupted" and the cases that had finished. An exception that
+        ends the sweep, and a warning that is raised as an error, have it as ``result``.
 
     Raises
     ------
@@ -199,13 +200,20 @@ def sweep(
                     sweep.tell(bar)
     except KeyboardInterrupt:
         found.status = "interrupted"
+    except BaseException as error:
+        found.status = "interrupted"
+        error.result = found  # type: ignore[attr-defined]
+        raise
+    finally:
+        for name in ("errors", "law_warnings", "energy_warnings", "jump_warnings"):
+            setattr(found, name, dict(sorted(getattr(found, name).items())))
     if len(sweep.unmade) == len(cases):
         raise found.errors[0]
-    found.errors = dict(sorted(found.errors.items()))
-    found.law_warnings = dict(sorted(found.law_warnings.items()))
-    found.energy_warnings = dict(sorted(found.energy_warnings.items()))
-    found.jump_warnings = dict(sorted(found.jump_warnings.items()))
-    _warn(found)
+    try:
+        _warn(found)
+    except Warning as warning:
+        warning.result = found  # type: ignore[attr-defined]
+        raise
     return found
 
 
@@ -229,7 +237,7 @@ class _Sweep:
                     self._paths[number] = self._store.path(case)
                 stored = None if self._store is None else self._store.get(self._paths[number])
             except Exception as error:  # a function of the user's may raise anything
-                stored = Outcome(error=error, made=False)
+                stored = Outcome(error=lean(error), made=False)
             if stored is None:
                 yield case
             else:
@@ -276,8 +284,8 @@ class _Sweep:
     def tell(self, bar: Bar) -> None:
         """Return a text with the numbers of cases and of failed cases."""
         done, failed = len(self.found._ended), len(self.found.errors)
-        told = f"{done + failed} of {len(self.found.cases)} cases"
-        bar.set_description(f"{told}, {failed} failed" if failed else told)
+        text = f"{done + failed} of {len(self.found.cases)} cases"
+        bar.set_description(f"{text}, {failed} failed" if failed else text)
 
 
 def _seconds(parameters: Parameters) -> float:
@@ -305,7 +313,7 @@ def _warn(found: SweepResult) -> None:
         which = (
             f"{len(found.errors)} of {len(found.cases)} cases failed, first {_name(found, number)}"
         )
-        warn_caller(f"{which}: {type(error).__name__}: {error}", CaseWarning)
+        warn_caller(f"{which}: {told(error)}", CaseWarning)
     for notes, category in (
         (found.law_warnings, RangeWarning),
         (found.energy_warnings, EnergyWarning),

@@ -119,6 +119,32 @@ def test_a_store_is_gone_on_with_and_other_settings_are_other_cases():
     assert [len(files) for files in written] == [8, 8, 16]
 
 
+def test_the_error_of_a_function_is_told_with_its_line(tmp_path):
+    (tmp_path / "measures.py").write_text("def peak(result):\n    found = {}\n    found['peak']\n")
+    (tmp_path / "short.toml").write_text(
+        'drive = "paper"\nmeasure = "measures.py:peak"\n[axes]\nduration = [1e-3]\n'
+    )
+    for executor in ("threads", "threads", "processes:1"):
+        store = ("--store", "runs") if executor == "threads" else ()
+        done = rustchain("sweep", "short.toml", *store, "--executor", executor)
+        assert done.exit_code == 3
+        assert "{'duration': 0.001}: KeyError: 'peak' (measures.py, line 3)" in done.output
+        assert pd.read_csv("short.csv")["error"][0] == "KeyError: 'peak' (measures.py, line 3)"
+
+
+def test_a_store_finds_the_same_function_in_another_folder(tmp_path, monkeypatch):
+    text = 'drive = "paper"\nmeasure = "measures.py:peak"\n[axes]\nduration = [1e-3]\n'
+    for folder, function in (("one", FUNCTION), ("two", FUNCTION), ("two", FUNCTION + "\n")):
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / "short.toml").write_text(text)
+        (tmp_path / folder / "measures.py").write_text(function)
+        monkeypatch.chdir(tmp_path / folder)
+        done = rustchain("sweep", f"../{folder}/short.toml", "--store", tmp_path / "runs")
+        assert done.exit_code == 0, done.output
+        same = function == FUNCTION
+        assert len(list((tmp_path / "runs").iterdir())) == (1 if same else 2)
+
+
 def test_samples_and_a_function_of_a_file(tmp_path):
     (tmp_path / "many.toml").write_text(
         'drive = "paper"\nmeasure = "measures.py:peak"\n'
@@ -170,7 +196,10 @@ def test_failed_cases_are_counted_told_and_repeated_on_demand():
         done = rustchain("sweep", "failing.toml", "--store", "runs", *more)
         assert done.exit_code == 3
         assert "1 of 2 cases finished, 1 failed: failing.csv" in done.output
-        assert "case 0 {'chain.material.elastic_modulus': 1e+300}: step size fell" in done.output
+        assert (
+            "case 0 {'chain.material.elastic_modulus': 1e+300}: SimulationError: step size"
+            in done.output
+        )
         assert "warning" not in done.output
         table = pd.read_csv("failing.csv", index_col="case")
         assert table["error"][0].startswith("SimulationError: step size fell to")

@@ -180,6 +180,21 @@ class Own(Exception):
     pass
 
 
+class Timed(Exception):
+    time = (1.0, object())
+    step_size = 1e-9
+
+
+def test_an_error_with_attributes_that_no_file_holds_fails_its_case_alone(tmp_path):
+    def measure(result):
+        raise Timed("late")
+
+    for _ in range(2):
+        with pytest.warns(RuntimeWarning, match="1 of 1 cases failed"):
+            found = rc.sweep(PAPER, {"rtol": [1e-5]}, measure, store=tmp_path, **SHORT)
+        assert "late" in str(found.errors[0])
+
+
 @pytest.mark.parametrize("measured", ["text", {"a": [None, "b"]}, 1j])
 def test_what_is_no_number_fails_its_case(measured, tmp_path):
     with pytest.warns(RuntimeWarning, match="1 of 1 cases failed"):

@@ -1,5 +1,6 @@
 """Many runs at once: the numbers of single runs, failures that stay alone, Ctrl-C, names."""
 
+import gc
 import json
 import signal
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import threading
 import time
 import warnings
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
@@ -482,8 +484,28 @@ def test_a_measure_that_raises_is_the_error_of_its_case():
         swept = rc.sweep(PAPER, {"pretension": [25, 0, 50]}, measure, threads=2, **SHORT)
     assert list(swept.errors) == [1]
     assert isinstance(swept.errors[1], LookupError)
-    assert swept.errors[1].__notes__ == ["in case 1 (pretension=0) of the sweep"]
+    place, case = swept.errors[1].__notes__
+    assert place.startswith("raised at test_sweep.py, line ")
+    assert case == "in case 1 (pretension=0) of the sweep"
     assert [value is None for value in swept.values] == [False, True, False]
+
+
+def test_the_error_of_a_measure_keeps_no_result_in_memory():
+    results = []
+
+    def measure(result):
+        results.append(weakref.ref(result))
+        own = result
+        try:
+            raise KeyError(own.time.size)
+        except KeyError as error:
+            raise ValueError("none") from error
+
+    with pytest.warns(RuntimeWarning, match="2 of 2 cases failed"):
+        swept = rc.sweep(PAPER, {"rtol": [1e-5, 1e-4]}, measure, **SHORT)
+    gc.collect()
+    assert [result() for result in results] == [None, None]
+    assert swept.errors[0].__notes__[0].startswith("raised at test_sweep.py, line ")
 
 
 def test_a_sweep_of_which_every_measure_fails_still_has_its_axes():
@@ -581,6 +603,29 @@ def test_a_handler_of_ones_own_is_heard_and_ends_the_runs():
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
     assert threading.active_count() == threads
+
+
+def test_what_ends_a_sweep_has_the_cases_that_are_done():
+    def measure(result):
+        if len(result.time) > 11:
+            raise SystemExit(3)
+        return 1.0
+
+    axes = {"duration": [1e-3, 2e-3, 3e-3]}
+    with pytest.raises(SystemExit) as caught:
+        rc.sweep(PAPER, axes, measure, threads=1, progress=False)
+    found = caught.value.result
+    assert (found.status, found.finished, found.values[0]) == ("interrupted", 1, 1.0)
+
+
+def test_a_warning_raised_as_an_error_has_the_result():
+    drive = rc.two_sprocket_drive(chain="ANSI 160", teeth=(17, 17), links=38)
+    scene = rc.Scene(drive, rc.EnhancedCylinder())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", rc.RangeWarning)
+        with pytest.raises(rc.RangeWarning) as caught:
+            rc.sweep(scene, {"speed": [5.0]}, duration=1e-4, progress=False)
+    assert caught.value.result.finished == 1
 
 
 def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
