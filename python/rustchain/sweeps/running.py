@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from rustchain import _rustchain
 from rustchain.arguments import shown
+from rustchain.caller import warn_caller
+from rustchain.description.plausibility import implausible_inputs
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.simulation.core import start_of
 from rustchain.simulation.recording import Recording
@@ -74,24 +76,29 @@ def run_here(
     Cases are measured in this thread.
     """
     count = number_of_threads(threads)
+    told: set[str] = set()
     while portion := list(islice(cases, _PORTION * count)):
         others = [case for case in portion if looks.any or case.scene.kind == "mechanism"]
         if len(others) < len(portion):
             kept = {case.number for case in others}
             for_pool = [case for case in portion if case.number not in kept]
-            yield from _run_in_pool(for_pool, measure, threads, bar)
+            yield from _run_in_pool(for_pool, measure, threads, bar, told)
         yield from _run_on_threads(iter(others), looks, measure, count, bar)
 
 
 def _run_in_pool(
-    cases: list[Case], measure: Measure | None, threads: int | None, bar: Bar
+    cases: list[Case], measure: Measure | None, threads: int | None, bar: Bar, told: set[str]
 ) -> Running:
-    """Run cases in the compiled pool."""
+    """Run cases in the compiled pool; warn of inputs that are implausible unless it was `told`."""
     ready, compiled = [], []
     for case in cases:
         try:
             compiled.append(_compiled(case))
             ready.append(case)
+            for text in implausible_inputs(case.scene):
+                if text not in told:
+                    told.add(text)
+                    warn_caller(text)
         except Exception as error:  # what is refused
             yield case, Outcome(error=lean(error), made=False)
     if not ready:

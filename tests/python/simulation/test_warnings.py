@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -9,6 +10,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 import rustchain as rc
+from cores import CoreAround, cores_within
 
 PAPER = rc.paper_drive(25.0)
 # Bristles that a RangeWarning tells.
@@ -78,12 +80,34 @@ def test_no_warning_of_the_package_counts_frames_itself():
     assert found == ["caller.py"]
 
 
+def test_an_implausible_input_is_told_once_in_a_sweep():
+    heavy = rc.Scene(replace(PAPER, gravity=(0.0, -9810.0)))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        swept = rc.sweep(heavy, {"rtol": [1e-5, 1e-4]}, one, **SHORT)
+    assert swept.success
+    told = [each for each in caught if str(each.message).startswith("gravity = 9810 m/s^2")]
+    assert len(told) == 1
+    assert (told[0].category, told[0].filename) == (rc.errors.RustchainWarning, __file__)
+
+
+class Jumped(CoreAround):
+    """A core that has a warning after a run."""
+
+    told = False
+
+    def take_warnings(self):
+        new = self.core.time > 0.0 and not self.told
+        self.told |= new
+        return [], [], ["two teeth"] if new else []
+
+
 @pytest.mark.parametrize("out", [None, "run.nc"])
 def test_a_warning_raised_as_an_error_has_the_result_of_its_run(out, tmp_path):
-    simulation = rc.Simulation(PAPER, OUTSIDE)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", rc.RangeWarning)
-        with pytest.raises(rc.RangeWarning) as caught:
-            simulation.run(8e-3, out=None if out is None else tmp_path / out, progress=False)
+    with cores_within(Jumped), warnings.catch_warnings():
+        warnings.simplefilter("error", rc.ToothJumpWarning)
+        simulation = rc.Simulation(PAPER)
+        with pytest.raises(rc.ToothJumpWarning, match="two teeth") as caught:
+            simulation.run(1e-3, out=None if out is None else tmp_path / out, progress=False)
     assert caught.value.result.success
-    assert len(caught.value.result.time) == 81
+    assert len(caught.value.result.time) == 11
