@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -29,6 +29,7 @@ from rustchain.files.sweep import SweepFile, check_figures, measure_of
 from rustchain.paths import write_whole
 from rustchain.results import netcdf
 from rustchain.sweeps.case_run import told
+from rustchain.sweeps.cases import cases_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,7 +55,9 @@ def sweep(
     executor: Where = "threads",
     out: Annotated[
         Path | None,
-        typer.Option(help="Table to write, .csv or .nc; by default sweep.csv of sweep.toml."),
+        typer.Option(
+            "--out", "-o", help="Table to write, .csv or .nc; by default sweep.csv of sweep.toml."
+        ),
     ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -66,8 +69,11 @@ def sweep(
     """
     output = Output(as_json, quiet)
     with clear_errors():
+        _check_retry(retry, store)
         described = SweepFile.read(file, lambda name: scene_file(name, None))
-        _check_no_axis(settings, described)
+        cases = cases_of(described.axes)[1]
+        varied = {name for case in cases for name in case}
+        _check_no_axis(settings, varied, "the sweep file; change it there")
         scene = with_settings(described.scene, settings)
         path = _table(out or Path(f"{file.stem}.csv"))
         run = {"duration": 2.0, **scene.run}
@@ -122,7 +128,8 @@ def study(
     retry: Retry = False,
     executor: Where = "threads",
     out: Annotated[
-        Path | None, typer.Option(help="Table to write, .csv or .nc; by default none.")
+        Path | None,
+        typer.Option("--out", "-o", help="Table to write, .csv or .nc; by default none."),
     ] = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -130,12 +137,18 @@ def study(
     """Run a drive several times from slightly different starts, and give means with intervals."""
     output = Output(as_json, quiet)
     with clear_errors():
+        _check_retry(retry, store)
         scene = scene_file(drive, settings)
         path = None if out is None else _table(out)
         given = measure[0] if measure is not None and len(measure) == 1 else measure
         run = {"duration": 0.5, **scene.run}
         run |= {} if duration is None else {"duration": duration}
-        grid = dict(named_value("--axis", each) for each in axes or ())
+        grid: dict[str, Any] = {}
+        for name, values in (named_value("--axis", each) for each in axes or ()):
+            if name in grid:
+                fail(f"--axis: {name!r} is there twice; give it once, with all values")
+            grid[name] = values
+        _check_no_axis(settings, grid, "--axis; remove one of them")
         figures = None if given is None else measure_of(given, 0.0, Path())
         check_figures(figures, scene.scene, grid)
         with executor_of(executor) as where:
@@ -165,13 +178,17 @@ def study(
     _leave(found.sweep)
 
 
-def _check_no_axis(settings: list[str] | None, described: SweepFile) -> None:
-    """Refuse to set what an axis varies."""
-    axes = described.axes
-    names = {name for axis in axes for name in ([axis] if isinstance(axis, str) else axis)}
+def _check_no_axis(settings: list[str] | None, varied: Collection[str], where: str) -> None:
+    """Refuse to set what an axis varies; `where` it does, and a remedy."""
     for name in (each.partition("=")[0].strip() for each in settings or ()):
-        if name in names:
-            fail(f"--set: {name!r} is varied by the sweep file; change it there")
+        if name in varied:
+            fail(f"--set: {name!r} is varied by {where}")
+
+
+def _check_retry(retry: bool, store: Path | None) -> None:
+    """Refuse to run again what no store has."""
+    if retry and store is None:
+        fail("--retry: runs stored cases again, and there is no store; give --store, or remove it")
 
 
 def _table(path: Path) -> Path:

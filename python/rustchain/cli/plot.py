@@ -36,7 +36,9 @@ def plot(
             "data for.",
         ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the figures.")] = Path("figures"),
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the figures.")] = Path(
+        "figures"
+    ),
     hinges: Annotated[
         str | None,
         typer.Option(

@@ -42,7 +42,8 @@ def catalogue(
 
 def schema(
     out: Annotated[
-        Path | None, typer.Option(help="File to write; without it, the schema is printed.")
+        Path | None,
+        typer.Option("--out", "-o", help="File to write; without it, the schema is printed."),
     ] = None,
     quiet: Quiet = False,
 ) -> None:

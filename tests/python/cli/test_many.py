@@ -205,6 +205,9 @@ def test_failed_cases_are_counted_told_and_repeated_on_demand():
         assert table["error"][0].startswith("SimulationError: step size fell to")
         assert pd.isna(table["error"][1])
         assert pd.isna(table["tension_upper"][0])
+    assert rustchain("sweep", "failing.toml", "--store", "runs", "-o", "all.nc").exit_code == 3
+    data = xr.load_dataset("all.nc", engine="h5netcdf")
+    assert str(data["error"].values[0]).startswith("SimulationError: step size fell to")
     told = json.loads(rustchain("sweep", "failing.toml", "--json").stdout)
     assert told["errors"]["0"].startswith("SimulationError: step size fell")
 
@@ -338,6 +341,28 @@ def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path)
 )
 def test_an_executor_that_is_none_is_told(executor, said):
     done = rustchain("sweep", "sweep.toml", "--executor", executor)
+    assert done.exit_code == 1
+    assert said in done.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("study", "paper", "--axis", "rtol=[1e-5]", "--axis", "rtol=[1e-4]"),
+         "--axis: 'rtol' is there twice"),
+        (("study", "paper", "--axis", "rtol=[1e-5]", "--set", "rtol=1e-4"),
+         "--set: 'rtol' is varied by --axis; remove one of them"),
+        (("study", "paper", "--retry"), "--retry: runs stored cases again, and there is no store"),
+        (("sweep", "sweep.toml", "--retry"), "--retry: runs stored cases again, and there is no"),
+        (("sweep", "cases.toml", "--set", "rtol=1e-4"), "'rtol' is varied by the sweep file"),
+    ],
+)  # fmt: skip
+def test_options_that_contradict_each_other_are_refused_before_a_run(
+    arguments, said, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("rustchain.sweeps.sweep.run_here", lambda *_: pytest.fail("it ran"))
+    (tmp_path / "cases.toml").write_text('drive = "paper"\n[[cases]]\nrtol = 1e-5\n')
+    done = rustchain(*arguments)
     assert done.exit_code == 1
     assert said in done.output
 
