@@ -6,6 +6,8 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
+
 import rustchain as rc
 from rustchain.cli.common import (
     FAILED_CASES,
@@ -92,7 +94,7 @@ def sweep(
                 )
             except rc.InvalidInput as error:
                 raise described.refusal(error) from error
-        path = _written(path, found, found.to_pandas, found.to_xarray, output)
+        path = _written(path, found, found.to_pandas, lambda: _dataset(found), output)
         _tell(found, path, store, output)
     _leave(found)
 
@@ -221,6 +223,16 @@ def _written(
     return path
 
 
+def _dataset(found: rc.SweepResult) -> xr.Dataset:
+    """Return the dataset of a sweep, with the reasons of failed cases in a text variable."""
+    data = found.to_xarray()
+    if found.errors:
+        reasons = [told(e) if (e := found.errors.get(k)) else "" for k in range(len(found.cases))]
+        shape = [data.sizes[dim] for dim in found.dims]
+        data["error"] = (found.dims, np.array(reasons).reshape(shape))
+    return data
+
+
 def _tell(
     found: rc.SweepResult,
     path: Path | None,
@@ -233,7 +245,8 @@ def _tell(
     for number, error in failed[:_SHOWN]:
         typer.echo(f"case {number} {found.cases[number]}: {told(error)}", err=True)
     if len(failed) > _SHOWN:
-        where = "" if path is None else f"; all of them in {path}"
+        # A table of statistics has no cases.
+        where = "" if path is None or more else f"; all of them in {path}"
         typer.echo(f"and {len(failed) - _SHOWN} more{where}", err=True)
     output.say(found.message if path is None else f"{found.message}: {path}")
     if found.status == "interrupted" and store is not None:

@@ -159,10 +159,13 @@ class Reader:
         return _WRONG
 
     def entries(
-        self, table: Mapping[str, Any], fields: Mapping[str, Field], key: Key
+        self, table: Mapping[str, Any], fields: Mapping[str, Field], key: Key, tag: str = ""
     ) -> list[tuple[str, Any]]:
-        """Return the entries of a table that it may have; refuse others, and missing ones."""
-        unknown = [name for name in table if name not in fields and name != "type"]
+        """Return the entries of a table that it may have; refuse others, and missing ones.
+
+        `tag` is the key that gives the type of the table, if it has one.
+        """
+        unknown = [name for name in table if name not in fields and name != tag]
         for name in unknown:
             self.refuse((*key, name), f"unknown key; {suggest(name, fields)}")
         if not unknown:  # a misspelt key is often what another one is missing for
@@ -221,7 +224,7 @@ class Reader:
             return self.refuse((*key, "type"), message)
         before, fields = len(self._refusals), fields_of(makers[name])
         self._check_name(value, fields, key)
-        entries = self.entries(self._with_links(value, makers[name], key), fields, key)
+        entries = self.entries(self._with_links(value, makers[name], key), fields, key, "type")
         made = {each: self.value(v, fields[each].hint, (*key, each)) for each, v in entries}
         if len(self._refusals) > before:
             return _WRONG

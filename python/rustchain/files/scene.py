@@ -190,4 +190,10 @@ def save_scene(scene: Scene, path: str | Path) -> None:
         msg = f"path = {shown(str(where))}: expected a name that ends in .toml or .json"
         raise InvalidInput(msg)
     made = admitted("scene", scene_of(scene), Scene)
-    write_whole(path, memoryview(text_of_scene(made, form).encode()))
+    try:
+        content = text_of_scene(made, form).encode()
+    except UnicodeEncodeError as error:
+        broken = shown(error.object[error.start : error.end])
+        msg = f"scene: has a text with {broken}; expected text without lone surrogates; remove it"
+        raise InvalidInput(msg) from error
+    write_whole(path, memoryview(content))

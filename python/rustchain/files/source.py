@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from rustchain import _rustchain
+from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.paths import check_regular, reason, shown_path
 from rustchain.results.superblock import SIGNATURE
@@ -48,9 +50,16 @@ class Source:
         form = "JSON" if path.suffix.lower() == ".json" else "TOML"
         places: dict[Key, tuple[int, int]] = {}
         try:
+            os.fsencode(path)
+        except UnicodeEncodeError as error:
+            msg = (
+                f"path = {shown_path(path)}: is no file name; expected text without lone surrogates"
+            )
+            raise InvalidInput(msg) from error
+        try:
             text = text_of(path)
             if form == "JSON":
-                content = json.loads(text)
+                content = json.loads(text, object_pairs_hook=_table_of)
             else:
                 content, places = _rustchain.read_toml(text)
         except OSError as error:
@@ -102,6 +111,17 @@ class Source:
             return str(self.path)
         line, column = self.places[key]
         return f"{self.path}, line {line}, column {column}"
+
+
+def _table_of(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return an object of JSON as a dict; a key that is there twice is refused, as in TOML."""
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        msg = f"{shown(twice)} is there twice in one object; give it once"
+        raise ValueError(msg)
+    return table
 
 
 def text_of(path: Path) -> str:

@@ -126,8 +126,7 @@ class SweepResult(ArrayValue, HtmlView):
 
         The dimensions are those of the cases, `dims`, then those of an array that was measured:
         ``value_0``, ``value_1``. The variables are the keys of a measured dict, or "value". Where
-        cases have arrays of different shapes, NaN follows the shorter ones, with a warning. Where
-        cases have failed, the variable "error" has the reasons, an empty text for other cases.
+        cases have arrays of different shapes, NaN follows the shorter ones, with a warning.
         """
         from rustchain.extras import xarray as xr
 
@@ -140,15 +139,10 @@ class SweepResult(ArrayValue, HtmlView):
                 columns = zip(*rows, strict=True) if isinstance(axis, tuple) else [rows]
                 for n, column in zip(names_of(axis), columns, strict=True):
                     coordinates[n] = (dim, _labels(tuple(column)))
-        variables: dict[str, tuple[tuple[str, ...], _Values]] = {}
+        variables = {}
         for name, values in self._arrays().items():
             own = tuple(f"{name}_{k}" for k in range(values.ndim - 1))
             variables[name] = ((*self.dims, *own), values.reshape(shape + values.shape[1:]))
-        if self.errors:
-            reasons = [
-                told(self.errors[k]) if k in self.errors else "" for k in range(len(self.cases))
-            ]
-            variables["error"] = (self.dims, np.array(reasons).reshape(shape))
         return xr.Dataset(variables, coordinates, {"status": self.status, "message": self.message})
 
     def to_pandas(self) -> pd.DataFrame:

@@ -72,7 +72,14 @@ def samples(
                 "scipy.stats, such as stats.norm(mean, deviation)"
             )
             raise InvalidInput(msg)
-        values = np.asarray(quantile(place), dtype=float)
+        try:
+            values = np.asarray(quantile(place), dtype=float)
+        except Exception as error:  # a distribution of the user's may raise anything
+            msg = (
+                f"samples: {shown(name)} has {shown(distribution)}, which has no values "
+                f"({type(error).__name__}: {error}); expected a distribution of scipy.stats"
+            )
+            raise InvalidInput(msg) from error
         if not np.isfinite(values).all():
             msg = f"samples: {shown(name)} has values that are not finite; expected a distribution"
             raise InvalidInput(f"{msg} whose parameters are in their range")

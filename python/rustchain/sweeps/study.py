@@ -84,8 +84,7 @@ class StudyResult(ArrayValue, HtmlView):
             number, error = next(iter(self.sweep.errors.items()))
             msg = f"no run has a value; the first error, of run {number}: {shown(error)}"
             raise NotRecorded(msg)
-        found = self.sweep.to_xarray().drop_vars("error", errors="ignore")
-        return found.rename(replicate="run")
+        return self.sweep.to_xarray().rename(replicate="run")
 
     @property
     def statistics(self) -> xr.Dataset:

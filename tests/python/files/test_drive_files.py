@@ -556,3 +556,25 @@ def test_a_scene_without_a_duration_says_where_to_write_it(tmp_path):
             with pytest.raises(rc.InvalidInput, match=r"drive\.toml.*run: duration: is missing;"):
                 call(simulation)
         assert simulation.time == 0.0
+
+
+def test_a_key_of_json_that_is_there_twice_is_refused(tmp_path):
+    path = tmp_path / "drive.json"
+    path.write_text('{"drive": {"type": "paper_drive", "pretension": 1, "pretension": 2}}')
+    with pytest.raises(rc.InvalidInput, match="'pretension' is there twice in one object"):
+        rc.load_scene(path)
+
+
+@pytest.mark.parametrize("section", ["simulation", "run"])
+def test_a_type_of_a_table_that_has_none_is_an_unknown_key(tmp_path, section):
+    path = written(tmp_path, f'[drive]\ntype = "paper_drive"\n[{section}]\ntype = "Scene"\n')
+    with pytest.raises(rc.InvalidInput, match=f"line 4, column 1: {section}.type: unknown key"):
+        rc.load_scene(path)
+
+
+def test_a_lone_surrogate_is_refused_as_a_name_and_as_a_path(tmp_path):
+    drive = dataclasses.replace(rc.paper_drive(), name="a\ud800b")
+    with pytest.raises(rc.InvalidInput, match="expected text without lone surrogates"):
+        rc.save_scene(rc.Scene(drive), tmp_path / "drive.toml")
+    with pytest.raises(rc.InvalidInput, match=r"path = .* is no file name"):
+        rc.load_scene("a\ud800b.toml")

@@ -149,3 +149,13 @@ def test_scenes_are_made_as_they_are_needed(how, monkeypatch):
         found = rc.sweep(build, {"mass": range(300)}, lambda r: r.time[-1], **run, **where[how])
     assert found.success
     assert most < {"pool": 270, "threads": 30, "executor": 90}[how]
+
+
+def test_a_distribution_that_raises_is_refused_with_its_name():
+    class Broken:
+        def ppf(self, places):
+            raise ZeroDivisionError("no scale")
+
+    said = "samples: 'rtol' has .* has no values .ZeroDivisionError: no scale"
+    with pytest.raises(rc.InvalidInput, match=said):
+        rc.samples({"rtol": Broken()}, 2)

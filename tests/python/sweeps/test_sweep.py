@@ -470,10 +470,7 @@ def test_failing_cases_leave_the_others_alone_and_are_told_once():
 def test_failed_cases_are_nan_in_the_tables():
     with pytest.warns(RuntimeWarning, match="1 of 2 cases failed"):
         swept = rc.sweep(PAPER, {"pretension": [-1, 0]}, lambda r: {"n": len(r.time)}, **SHORT)
-    data = swept.to_xarray()
-    np.testing.assert_array_equal(data["n"], [np.nan, 51])
-    assert data["error"].values[0].startswith("InvalidInput: Tensioner.pretension = -1")
-    assert data["error"].values[1] == ""
+    np.testing.assert_array_equal(swept.to_xarray()["n"], [np.nan, 51])
     np.testing.assert_array_equal(swept.to_pandas()["n"], [np.nan, 51])
 
 
