@@ -96,6 +96,7 @@ class Quiet(Simulation):
 _OTHERS = (
     str(Path(__file__).parents[1]),
     *(sysconfig.get_paths()[name] for name in ("stdlib", "purelib", "platlib")),
+    "<frozen",
 )
 """Where code lies that is not the user's."""
 
@@ -108,7 +109,8 @@ def lean(error: Exception) -> Exception:
     lines = [
         f"{_RAISED}{Path(frame.f_code.co_filename).name}, line {line}"
         for frame, line in traceback.walk_tb(error.__traceback__)
-        if not frame.f_code.co_filename.startswith((*_OTHERS, "<frozen"))
+        if not frame.f_code.co_filename.startswith(_OTHERS)
+        and not str(frame.f_globals.get("__name__")).startswith("rustchain.")  # made by dataclasses
     ]
     error.__notes__ = [*getattr(error, "__notes__", ()), *lines[-1:]]
     chain: list[BaseException] = [error]

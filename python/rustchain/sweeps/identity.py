@@ -35,10 +35,21 @@ def digest_of(value: object) -> str:
 
 
 class _Seen(NamedTuple):
-    """The module of what refers to a value, None where nothing does; and what has been hashed."""
+    """What is above a value in what is hashed, and what was before it.
+
+    Attributes
+    ----------
+    module : str or None
+        The module of the function or class that refers to it.
+    values : list of object
+        Functions, classes and objects that have been hashed.
+    described : bool
+        Whether it is of a description, in which a whole number is the same as an integer.
+    """
 
     module: str | None
     values: list[object]
+    described: bool = False
 
     def has(self, kind: type) -> bool:
         """Return whether the code of a class counts."""
@@ -47,13 +58,15 @@ class _Seen(NamedTuple):
 
 def _part(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
     """Return a value as JSON has it."""
+    if seen.described and isinstance(value, float) and value.is_integer():
+        return "-0.0" if str(value) == "-0.0" else int(value)
     if value is None or isinstance(value, bool | int | float | str):
         return value if type(value) in (type(None), bool, int, float, str) else repr(value)
     if isinstance(value, list | tuple):
         return [type(value).__name__, *(_part(each, seen) for each in value)]
     if isinstance(value, set | frozenset):
         # Each for itself: a set has another order in another process.
-        parts = (_part(each, _Seen(seen.module, list(seen.values))) for each in value)
+        parts = (_part(each, seen._replace(values=list(seen.values))) for each in value)
         return ["set", *sorted(json.dumps(part, sort_keys=True) for part in parts)]
     if isinstance(value, Mapping):
         return ["mapping", *([_part(k, seen), _part(v, seen)] for k, v in value.items())]
@@ -63,7 +76,7 @@ def _part(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
         content = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return ["array", str(value.dtype), list(value.shape), content]
     if (fields := fields_of(value)) is not None:
-        return [type(value).__name__, _part(fields, seen)]
+        return [type(value).__name__, _part(fields, seen._replace(described=True))]
     return _code(value, seen)
 
 

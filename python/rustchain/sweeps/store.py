@@ -132,7 +132,9 @@ class Store:
     def path(self, case: Case) -> Path:
         """Return the file of a case."""
         groups, energy = case.groups()
-        parts = [case.scene, case.run["duration"], case.run["report_step"], sorted(groups), energy]
+        given = (case.run["duration"], case.run["report_step"])
+        times = [float(value) if isinstance(value, int) else value for value in given]
+        parts = [case.scene, *times, sorted(groups), energy]
         return self._folder / f"{digest_of([self._of_all, *parts])}.nc"
 
     def get(self, path: Path) -> Outcome | None:

@@ -93,6 +93,20 @@ def test_another_run_is_another_case(change, tmp_path):
     assert len(list(tmp_path.iterdir())) == 2
 
 
+def test_whole_numbers_are_the_same_case_as_integers(tmp_path):
+    cases = [
+        {"pretension": 25, "duration": 1e-3},
+        {"speed": 10, "gravity.2": 0, "duration": 1e-3},
+        {"sprockets.2.mass": 1, "report_step": 1, "duration": 1e-3},
+        {"chain.seed": 2**32 - 1, "chain.pitch_spread": 1e-4, "duration": 1e-3},
+    ]
+    floats = [{n: v if n == "chain.seed" else float(v) for n, v in case.items()} for case in cases]
+    for axes in (cases, floats):
+        found, _ = counted(PAPER, axes, lambda r: r.time[-1], store=tmp_path, progress=False)
+        assert found.success
+    assert len(list(tmp_path.iterdir())) == 4
+
+
 def test_groups_in_another_order_and_by_default_are_the_same_case(tmp_path):
     for record in (None, ("energy", "sprockets", "teeth", "hinges")):
         found, _ = counted(PAPER, {"rtol": [1e-5]}, Counted(), store=tmp_path, record=record,
