@@ -225,5 +225,7 @@ def clear_errors() -> Iterator[None]:
         warnings.simplefilter("ignore", rc.CaseWarning)  # failed cases are told one by one
         try:
             yield
+        except BrokenPipeError:  # the reader of the output has ended, as head does
+            raise
         except (ValueError, LookupError, OSError, rc.RustchainError) as error:
             fail(error)

@@ -1,5 +1,6 @@
 """The command line: files and figures made, errors said in one line."""
 
+import os
 import subprocess
 import sys
 
@@ -175,6 +176,17 @@ def test_a_run_is_written_to_the_name_of_its_drive_file(tmp_path, monkeypatch):
             assert rc.load_result(path).success
             assert (f"{path}: is there and will be replaced" in done.output) == said
     assert not (tmp_path / "run.nc").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes end otherwise there")
+@pytest.mark.parametrize("command", ["catalogue", "schema"])
+def test_a_pipe_whose_reader_has_ended_is_no_error(command):
+    reading, writing = os.pipe()
+    os.close(reading)
+    called = [sys.executable, "-m", "rustchain", command]
+    done = subprocess.run(called, stdout=writing, stderr=subprocess.PIPE, text=True)
+    os.close(writing)
+    assert done.stderr == ""
 
 
 def test_the_version_is_printed():
