@@ -93,12 +93,13 @@ def _run_in_pool(
     ready, compiled = [], []
     for case in cases:
         try:
-            compiled.append(_compiled(case))
-            ready.append(case)
+            made = _compiled(case)
             for text in implausible_inputs(case.scene):
                 if text not in told:
-                    told.add(text)
                     warn_caller(text)
+                    told.add(text)
+            compiled.append(made)
+            ready.append(case)
         except Exception as error:  # what is refused
             yield case, Outcome(error=lean(error), made=False)
     if not ready:

@@ -91,6 +91,14 @@ def test_an_implausible_input_is_told_once_in_a_sweep():
     assert (told[0].category, told[0].filename) == (rc.errors.RustchainWarning, __file__)
 
 
+def test_an_implausible_input_that_is_an_error_fails_every_case():
+    heavy = rc.Scene(replace(PAPER, gravity=(0.0, -9810.0)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(rc.errors.RustchainWarning, match="gravity = 9810"):
+            rc.sweep(heavy, {"rtol": [1e-5, 1e-4]}, one, **SHORT)
+
+
 class Jumped(CoreAround):
     """A core that has a warning after a run."""
 
