@@ -173,8 +173,7 @@ def study(
         table = found.to_pandas()
         output.say(table.to_string(float_format=lambda number: f"{number:.5g}"))
         if path is not None:
-            data = lambda: found.statistics  # noqa: E731
-            path = _written(path, found.sweep, found.to_pandas, data, output)
+            path = _written(path, found.sweep, found.to_pandas, lambda: found.statistics, output)
         rows = table.reset_index().to_dict("records")
         _tell(found.sweep, path, store, output, {"statistics": rows})
     _leave(found.sweep)
@@ -228,7 +227,7 @@ def _dataset(found: rc.SweepResult) -> xr.Dataset:
     data = found.to_xarray()
     if found.errors:
         reasons = [told(e) if (e := found.errors.get(k)) else "" for k in range(len(found.cases))]
-        shape = [data.sizes[dim] for dim in found.dims]
+        shape = [data.sizes.get(dim, -1) for dim in found.dims]
         data["error"] = (found.dims, np.array(reasons).reshape(shape))
     return data
 
