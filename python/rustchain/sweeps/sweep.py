@@ -126,8 +126,8 @@ def sweep(
     Raises
     ------
     InvalidInput
-        A parameter is not known, no case has values that are allowed, a measured name is that of a
-        parameter, "error" or "case", or a store cannot tell whether a function is the same.
+        A parameter is not known, no case has values that are allowed, or a store cannot tell
+        whether a function is the same. A measured name is that of a parameter, "error" or "case".
     OSError
         The store cannot be written.
 
