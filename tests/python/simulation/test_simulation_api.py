@@ -147,7 +147,13 @@ def test_a_script_with_every_name_of_the_public_face_runs(tmp_path, monkeypatch)
     assert result.status == "finished"
     assert isinstance(result.message, str)
     assert result.success
-    assert {"steps", "rejected", "evaluations", "onsets", "onsets_at_minimum_velocity"} <= result.stats.keys()
+    assert {
+        "steps",
+        "rejected",
+        "evaluations",
+        "onsets",
+        "onsets_at_minimum_velocity",
+    } <= result.stats.keys()
     assert any(key.startswith("wall_") for key in result.stats)
     assert result.to_xarray().sizes["time"] == len(result.to_pandas()) == times
     result.save("run.nc")
