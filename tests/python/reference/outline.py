@@ -78,7 +78,7 @@ class Outline:
             return
         self.pieces = [
             Line(row[:2], row[2:4])
-            if np.isnan(row[4])
+            if row[6] == 0.0
             else Arc(row[:2], row[2:4], row[4:6], row[6] > 0.0)
             for row in rows
         ]

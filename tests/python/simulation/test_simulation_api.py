@@ -375,7 +375,8 @@ def test_recorded_values_are_those_of_evaluate():
 def test_counts_add_up():
     simulation = rc.Simulation(rc.paper_drive())
     stats = simulation.run(END, progress=False).stats
-    assert stats["evaluations"] == 1 + 2 * stats["steps"] + stats["rejected"]
+    # One at the start, and one that tests the first step.
+    assert stats["evaluations"] == 2 + 2 * stats["steps"] + stats["rejected"]
     assert 0 < stats["onsets_at_minimum_velocity"] < stats["onsets"] < stats["steps"]
     assert all(stats[key] >= 0.0 for key in stats if key.startswith("wall_"))
 

@@ -37,8 +37,8 @@ def test_every_demand_has_its_scenes():
         "1000 N",
         "restitution 0.05",
         "restitution 1.0",
-        "floor 1e-05",
-        "floor 0.1",
+        "minimum impact velocity 1e-05",
+        "minimum impact velocity 0.1",
         "rpm",
     ):
         assert any(demand in name for name in names), demand

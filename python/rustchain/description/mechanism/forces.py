@@ -17,16 +17,16 @@ from rustchain.errors import InvalidInput
 def _check_stiffness(name: str, stiffness: object, cubic: object, unit: str) -> None:
     """Refuse a spring that pushes its ends apart without end; a cubic part holds a snap spring."""
     given, held = finite_number(stiffness), finite_number(cubic)
-    if held is not None and held < 0.0 and not (given is not None and given > 0.0):
-        msg = (
-            f"cubic of force {shown(name)} = {shown(cubic)}: must be zero or a positive number, "
-            "unless stiffness is positive"
-        )
-        raise InvalidInput(msg)
     if given is not None and given < 0.0 and not (held is not None and held > 0.0):
         msg = (
             f"stiffness of force {shown(name)} = {shown(stiffness)}: must be zero or a positive "
             f"number in {unit}, unless cubic is positive"
+        )
+        raise InvalidInput(msg)
+    if held is not None and held < 0.0 and not (given is not None and given > 0.0):
+        msg = (
+            f"cubic of force {shown(name)} = {shown(cubic)}: must be zero or a positive number, "
+            "unless stiffness is positive"
         )
         raise InvalidInput(msg)
 
