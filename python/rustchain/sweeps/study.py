@@ -265,5 +265,6 @@ def _numbers(
     result: Result, *, of: Callable[[Result], Any] | None, burn_in: float, taken: tuple[str, ...]
 ) -> dict[str, Any]:
     """Return the measured values of a run after the burn-in [s], under names not `taken`."""
-    part = result.between(start=burn_in)
-    return numbers_of(part.summary() if of is None else of(part), taken)
+    if of is None:
+        return numbers_of(result.summary(start=burn_in), taken)
+    return numbers_of(of(result.between(start=burn_in)), taken)
