@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rustchain import _rustchain
@@ -117,3 +118,9 @@ class CaseWarning(RustchainWarning, RuntimeWarning):
 
 class ToothJumpWarning(RustchainWarning, RuntimeWarning):
     """The chain has jumped teeth of a sprocket."""
+
+
+def attach(error: BaseException, name: str, value: object) -> None:
+    """Set an attribute of an exception, unless its class refuses it, as a frozen dataclass does."""
+    with suppress(AttributeError, TypeError):
+        BaseException.__setattr__(error, name, value)

@@ -39,6 +39,9 @@ const PART_OF_RISE: f64 = 0.125;
 /// Longest step along a sine, as a fraction of its period.
 const PART_OF_PERIOD: f64 = 0.25;
 
+/// Difference of two slopes of a table over the larger one below which they are the same but for rounding.
+const SAME_SLOPE: f64 = 1e-9;
+
 /// Return the rounding error permitted for a step that ends at `t`.
 fn margin(t: f64) -> f64 {
     16.0 * f64::EPSILON * t.abs()
@@ -230,12 +233,30 @@ impl Signal {
         self.first_knot(|knot| knot - margin(knot) <= t)
     }
 
-    /// Return the last time before the first corner of a table after `since` \[s\], where `t` is at this corner, to rounding.
-    pub(crate) fn before_corner(&self, t: f64, since: f64) -> Option<f64> {
+    /// Return whether the slope of a table jumps at a row after `since` \[s\] that is at `t`, to rounding.
+    pub(crate) fn has_corner(&self, t: f64, since: f64) -> bool {
+        let Some(knot) = self.row_at(t).filter(|knot| knot - margin(*knot) > since) else {
+            return false;
+        };
+        let slope = |t: f64| self.derivatives(t)[1];
+        let [before, behind] = [slope(knot - margin(knot)), slope(knot + margin(knot))];
+        (behind - before).abs() > SAME_SLOPE * before.abs().max(behind.abs())
+    }
+
+    /// Return `t`, or where a row of a table is at `t`, to rounding, a time on one side of it: before a row after `since` \[s\], else behind.
+    pub(crate) fn one_sided(&self, t: f64, since: f64) -> f64 {
+        match self.row_at(t) {
+            Some(knot) if knot - margin(knot) > since => knot - margin(knot),
+            Some(knot) => knot + margin(knot),
+            None => t,
+        }
+    }
+
+    /// Return the time of the row of a table that differs from `t` by rounding, if there is one \[s\].
+    fn row_at(&self, t: f64) -> Option<f64> {
         let Self::Table(_) = self else { return None };
-        let corner = self.knot_after(since);
-        (corner.is_finite() && (t - corner).abs() <= margin(corner))
-            .then(|| corner - margin(corner))
+        let knot = self.first_knot(|knot| knot + margin(knot) < t);
+        (knot.is_finite() && knot - margin(knot) <= t).then_some(knot)
     }
 
     /// Integral from zero to `t` \[s\].

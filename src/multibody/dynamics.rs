@@ -145,15 +145,13 @@ impl MechanismDynamics {
     /// Compute accelerations and multipliers at the body frames.
     pub(crate) fn accelerate(&mut self, t: f64) {
         self.find_loads(t);
-        let before_jump = self.before_jump(t);
         let (model, constraints) = (&*self.model, &mut self.constraints);
         if constraints.kkt.is_none() {
             let free = self.accelerations.iter_mut().zip(&self.loads.free);
             free.zip(&model.mass).for_each(|((a, f), m)| *a = f / m);
             return;
         }
-        let at_equations = before_jump.unwrap_or(t);
-        constraints.find_rows(model, at_equations, &self.frames);
+        constraints.find_rows(model, t, &self.frames);
         if self.corrector.stage.active {
             self.corrector
                 .accelerate(model, constraints, &self.loads.free);

@@ -36,20 +36,18 @@ impl StepStart {
 }
 
 impl MechanismDynamics {
-    /// Return the last time before a jump of an acceleration that a driver prescribes, where `t` is at the first one of the last step.
+    /// Return whether an acceleration that a driver prescribes jumps at the end of the last step.
     ///
     /// A step ends at such a jump, and its last evaluation has the acceleration before it. The next step begins with the one behind it.
-    pub(super) fn before_jump(&self, t: f64) -> Option<f64> {
+    pub(super) fn ends_at_jump(&self, adams: &Adams) -> bool {
         let motions = self.model.equations.iter();
-        let motions = motions.filter_map(|equation| equation.motion.as_ref());
-        motions
-            .filter_map(|motion| motion.before_jump(t, self.step.time))
-            .next()
+        let mut motions = motions.filter_map(|equation| equation.motion.as_ref());
+        motions.any(|motion| motion.jumps(adams.time(), self.step.time))
     }
 
     /// Restart the integrator where the last step ended at a jump of a prescribed acceleration: its history is that before the jump.
     pub(super) fn restart_behind_jump(&mut self, adams: &mut Adams) {
-        if adams.is_starting() || self.before_jump(adams.time()).is_none() {
+        if adams.is_starting() || !self.ends_at_jump(adams) {
             return;
         }
         let mut solution = std::mem::take(&mut self.work.solution);
@@ -62,6 +60,7 @@ impl MechanismDynamics {
     pub(super) fn keep_step_start(&mut self, adams: &Adams) {
         let start = &mut self.step;
         start.time = adams.time();
+        self.constraints.step_start = start.time;
         start.is_implicit = adams.is_implicit();
         start.solution.clear();
         start.solution.extend_from_slice(adams.y());

@@ -97,7 +97,7 @@ impl System for MechanismDynamics {
         (self.contacts).begin_screening(&self.model, &self.frames, accelerations);
         // The bound is evaluated up to twice the next step size, as step size control also tests whether a step is close to its
         // bound.
-        let within = if adams.is_starting() || self.before_jump(adams.time()).is_some() {
+        let within = if adams.is_starting() || self.ends_at_jump(adams) {
             adams.control().max_step
         } else {
             2.0 * adams.step_size()
@@ -223,6 +223,7 @@ impl System for MechanismDynamics {
         dynamics.shift.time = adams.time();
         dynamics.contacts.memory.clone_from(&checkpoint.memory);
         dynamics.step.time = *time;
+        dynamics.constraints.step_start = *time;
         dynamics.step.shift.clone_from(shift);
         dynamics.step.memory.clone_from(memory);
         dynamics.contacts.starts.clone_from(&checkpoint.starts);

@@ -65,7 +65,8 @@ fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
         .map(|[fx, fy, tx, ty, cx, cy, convex]| Piece {
             from: Vec2::new(fx, fy),
             to: Vec2::new(tx, ty),
-            center: (convex != 0.0).then_some(Vec2::new(cx, cy)),
+            // Files of earlier versions have a centre of NaN where a piece is straight.
+            center: (convex != 0.0 && !cx.is_nan()).then_some(Vec2::new(cx, cy)),
             convex: convex > 0.0,
         })
         .collect())

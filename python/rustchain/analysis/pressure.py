@@ -9,7 +9,7 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.analysis import rainflow
 from rustchain.analysis.circuit import Circuit, path_length
-from rustchain.analysis.loads import check_sprocket, nearest_contact
+from rustchain.analysis.loads import check_sprocket, forces_of, nearest_contact
 from rustchain.analysis.phases import checked_bins
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
@@ -80,7 +80,7 @@ def contact_pressure(
     length = chain.strands * (
         chain.hinge.length if contact == "hinge" else chain.tooth_contact_length
     )
-    force, peak = (result.array(f"{name}_force")[rows] for name in (contact, f"peak_{contact}"))
+    force, peak, _ = forces_of(result, contact, rows)
     part = "hinge" if contact == "hinge" else "bushing"
     pascal, meter = {"units": "Pa"}, {"units": "m"}
     return xr.Dataset(

@@ -85,6 +85,8 @@ def from_first_row(
     for name in ("hinge_force", "tooth_force", "roller_force", "contact_force"):
         if {name, f"peak_{name}"} <= arrays.keys():
             found[f"peak_{name}"][0] = arrays[name][0]
+    if {"joint_reaction", "peak_joint_force"} <= arrays.keys():
+        found["peak_joint_force"][0] = np.hypot(*arrays["joint_reaction"][0, :, :2].T)
     return found
 
 

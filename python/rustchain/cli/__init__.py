@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import threading
 
 from rustchain.errors import MissingExtra
 
@@ -13,5 +14,6 @@ def main() -> None:
     except MissingExtra as error:
         sys.exit(f"error: {error}")
     # Ended by a scheduler or a supervisor, a command keeps what is there as after Ctrl-C.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     app()

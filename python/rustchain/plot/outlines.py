@@ -14,7 +14,7 @@ def of_arcs(pieces: Array) -> Array:
         pieces[:, :2], pieces[:, 2:4], pieces[:, 4:6], pieces[:, 6], strict=True
     ):
         points.append(start)
-        if sign != 0.0:
+        if sign != 0.0 and np.isfinite(center).all():  # NaN: straight, in files of before
             first, last = (np.arctan2(*(p - center)[::-1]) for p in (start, end))
             turn = (last - first) % (2 * np.pi) if sign > 0 else -((first - last) % (2 * np.pi))
             angle = first + turn * np.linspace(0.0, 1.0, 17)[1:-1]

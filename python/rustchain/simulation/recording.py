@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rustchain.errors import SimulationError
+from rustchain.errors import SimulationError, attach
 from rustchain.results.result import Result, Status
 from rustchain.simulation.run import seconds_bar
 from rustchain.typing import Array
@@ -88,13 +88,13 @@ class Recording:
         except BaseException as error:
             told = str(error) if isinstance(error, SimulationError) else repr(error)
             status: Status = "failed" if isinstance(error, Exception) else "interrupted"
-            error.result = self.result(status, told)  # type: ignore[attr-defined]
+            attach(error, "result", self.result(status, told))
             raise
         self._core.take_recording()  # by which the energy balance of a file is judged, too
         try:
             self._simulation._warn()
         except Warning as warning:
-            warning.result = result  # type: ignore[attr-defined]
+            attach(warning, "result", result)
             raise
         return result
 

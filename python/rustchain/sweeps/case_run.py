@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from rustchain.arguments import finite_number
 from rustchain.description.scene import Scene
-from rustchain.errors import RustchainError
+from rustchain.errors import RustchainError, attach
 from rustchain.results.result import Result
 from rustchain.simulation.run import known_groups
 from rustchain.simulation.simulation import Simulation
@@ -112,10 +112,10 @@ def lean(error: Exception) -> Exception:
         if not frame.f_code.co_filename.startswith(_OTHERS)
         and not str(frame.f_globals.get("__name__")).startswith("rustchain.")  # made by dataclasses
     ]
-    error.__notes__ = [*getattr(error, "__notes__", ()), *lines[-1:]]
+    attach(error, "__notes__", [*getattr(error, "__notes__", ()), *lines[-1:]])
     chain: list[BaseException] = [error]
     for each in chain:
-        each.__traceback__ = None
+        attach(each, "__traceback__", None)
         others = (each.__cause__, each.__context__)
         chain += [other for other in others if other is not None and other not in chain]
     return error

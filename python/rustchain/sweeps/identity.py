@@ -87,6 +87,8 @@ def _code(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
             return ["seen", place]
     seen.values.append(value)
     if isinstance(value, functools.partial):
+        if seen.module is None and isinstance(value.func, types.FunctionType):
+            seen = _Seen(value.func.__module__, seen.values)
         return ["partial", *(_part(v, seen) for v in (value.func, value.args, value.keywords))]
     if isinstance(value, types.MethodType):
         return ["method", _part(value.__func__, seen), _part(value.__self__, seen)]
@@ -130,7 +132,10 @@ def _object(value: Any, seen: _Seen) -> list[Any]:  # noqa: ANN401
     parts = [kind.__module__, kind.__qualname__, content]
     if not seen.has(kind):
         return parts
-    reduced = value.__reduce_ex__(4)  # in its state, pickle has functions and classes by name
+    try:
+        reduced = value.__reduce_ex__(4)  # in its state, pickle has functions and classes by name
+    except TypeError:  # pickle has a function of copyreg for it
+        return parts
     state = reduced[2] if isinstance(reduced, tuple) and len(reduced) > 2 else None
     inside = _Seen(kind.__module__, seen.values)
     return [*parts, _part(kind, inside), _part(state, inside)]

@@ -15,6 +15,7 @@ from rustchain.errors import (
     InvalidInput,
     RangeWarning,
     ToothJumpWarning,
+    attach,
 )
 from rustchain.names import known_keywords
 from rustchain.results.result import Result
@@ -202,7 +203,7 @@ def sweep(
         found.status = "interrupted"
     except BaseException as error:
         found.status = "interrupted"
-        error.result = found  # type: ignore[attr-defined]
+        attach(error, "result", found)
         raise
     finally:
         for name in ("errors", "law_warnings", "energy_warnings", "jump_warnings"):
@@ -212,7 +213,7 @@ def sweep(
     try:
         _warn(found)
     except Warning as warning:
-        warning.result = found  # type: ignore[attr-defined]
+        attach(warning, "result", found)
         raise
     return found
 
@@ -270,9 +271,9 @@ class _Sweep:
             self.unmade.add(number)
         if outcome.error is not None:
             if self._store is not None:  # which has what memory need not hold
-                outcome.error.__traceback__ = None
+                attach(outcome.error, "__traceback__", None)
                 if hasattr(outcome.error, "result"):
-                    outcome.error.result = None
+                    attach(outcome.error, "result", None)
             _fail(found, number, outcome.error)
             return
         found._ended.add(number)
@@ -297,7 +298,7 @@ def _fail(found: SweepResult, number: int, error: Exception) -> None:
     """Keep the error of a case, with a note that names the case."""
     # What add_note does, which Python 3.10 lacks.
     note = f"in {_name(found, number)} of the sweep"
-    error.__notes__ = [*getattr(error, "__notes__", ()), note]
+    attach(error, "__notes__", [*getattr(error, "__notes__", ()), note])
     found.errors[number] = error
 
 

@@ -27,6 +27,8 @@ pub(crate) struct ConstraintState {
     pub(crate) rank: usize,
     /// Whether the evaluation is at an interpolation point or a trial position, where no interpolation takes place.
     pub(crate) aside: bool,
+    /// Start of the last step \[s\], which decides on the side of a jump of a prescribed acceleration.
+    pub(crate) step_start: f64,
     /// Work arrays of projections: residuals, changes.
     pub(crate) projecting: [Vec<f64>; 2],
 }
@@ -49,16 +51,24 @@ impl ConstraintState {
             near_singular: 0.0,
             rank: 0,
             aside: false,
+            step_start: 0.0,
             projecting: [vec![0.0; m], vec![0.0; n]],
         }
     }
 
-    /// Evaluate the constraint equations at the body frames.
+    /// Evaluate the constraint equations at the body frames; a prescribed acceleration that jumps at `t` is that before a jump in the step.
     pub(crate) fn find_rows(&mut self, model: &MechanismModel, t: f64, frames: &[Frame]) {
         for group in &self.jacobian.groups {
             match group {
                 Group::Point(point) => point.evaluate(frames, &mut self.rows),
-                Group::Single(row) => self.rows[*row] = model.equations[*row].evaluate(t, frames),
+                Group::Single(row) => {
+                    self.rows[*row] = {
+                        let equation = &model.equations[*row];
+                        let motion = equation.motion.as_ref();
+                        let t = motion.map_or(t, |motion| motion.one_sided(t, self.step_start));
+                        equation.evaluate(t, frames)
+                    }
+                }
             }
         }
     }

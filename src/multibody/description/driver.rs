@@ -38,11 +38,16 @@ impl PrescribedMotion {
         function.longest_step(t)
     }
 
-    /// Return the last time before the first jump of the prescribed acceleration after `since` \[s\], where `t` is at this jump.
-    pub(crate) fn before_jump(&self, t: f64, since: f64) -> Option<f64> {
+    /// Return whether the prescribed acceleration jumps at `t`, after `since` \[s\].
+    pub(crate) fn jumps(&self, t: f64, since: f64) -> bool {
+        matches!(self, Self::Speed(function) if function.has_corner(t, since))
+    }
+
+    /// Return `t`, or where the prescribed acceleration may jump there, a time before a jump after `since` \[s\] and behind any other.
+    pub(crate) fn one_sided(&self, t: f64, since: f64) -> f64 {
         match self {
-            Self::Position(_) => None,
-            Self::Speed(function) => function.before_corner(t, since),
+            Self::Position(_) => t,
+            Self::Speed(function) => function.one_sided(t, since),
         }
     }
 

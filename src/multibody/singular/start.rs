@@ -23,6 +23,9 @@ const TRIALS: usize = 3;
 /// Angle between the sines of consecutive coordinates in the displacement of the first trial \[rad\]; a multiple of it in the others. As
 /// no simple part of a turn it gives all coordinates different components.
 const SINE_STEP: f64 = 1.7;
+/// Smallest ratio of [`MechanismModel::least_gyration_over_arm`] that lowers the near-singular threshold, which holds for the whole mechanism:
+/// rounding of accelerations near a singular position grows with the inverse cube of the threshold.
+const SLENDEREST: f64 = 0.02;
 /// Parts of the near-singular threshold with which a nearby position is projected, tried in this order. A constraint that is dependent at
 /// the start may have little independence nearby.
 const THRESHOLD_PARTS: [f64; 3] = [1.0, 0.1, 0.01];
@@ -38,7 +41,7 @@ impl MechanismDynamics {
         };
         let (rank, independence) = (kkt.rank(), kkt.independence());
         let constraints = &mut self.constraints;
-        let slenderest = self.model.least_gyration_over_arm();
+        let slenderest = self.model.least_gyration_over_arm().max(SLENDEREST);
         (constraints.rank, constraints.near_singular) =
             (rank, nearness(independence.min(slenderest)));
         if rank == constraints.rows.len() && independence > NEAR {
