@@ -77,14 +77,6 @@ impl CorrectorSwitching {
         }
     }
 
-    /// Change to the implicit corrector without evidence from earlier steps.
-    pub(super) fn begin_implicit(&mut self) {
-        *self = Self {
-            implicit: true,
-            ..Self::new()
-        };
-    }
-
     /// Record `steps` in favour of a change or against it; return true when the change is made.
     fn record(&mut self, change: bool, steps: u32) -> bool {
         self.steps_since_switch = self.steps_since_switch.saturating_add(steps);

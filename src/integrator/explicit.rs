@@ -65,12 +65,8 @@ impl Adams {
             self.counts.evaluations += 1;
             let estimate =
                 (self.history).estimate_and_correct(set, &self.next, &self.norm, &mut self.vectors);
-            if !estimate.accepts() {
+            if !estimate.accepts() || (first && !self.is_stable_at_start(system)) {
                 failures += 1;
-            } else if first && !self.is_stable_at_start(system) {
-                failures += 1;
-                // Where the choice is automatic, the next steps are implicit.
-                self.switching.begin_implicit();
             } else if system.accepts_step(self.next.size, self.allowed()) {
                 break estimate;
             }
