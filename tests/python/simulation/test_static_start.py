@@ -73,7 +73,7 @@ def test_a_drive_that_rests_under_load_keeps_the_forces_of_its_equilibrium(metho
         simulation = rc.Simulation(drive, start="static", solver=rc.Solver(method=method))
         result = simulation.run(2e-4, report_step=1e-5, progress=False)
         force = result.array("hinge_force").max(axis=1)
-        # The tolerance of velocities is 5 N in a hinge, and of steps near the limit of stability more.
+        # The tolerance of velocities is worth 5 N in a hinge, more near the limit of stability.
         np.testing.assert_allclose(force, force[0], rtol=0.05)
         assert result.peaks.hinge_force.max() < 1.15 * force[0]
         np.testing.assert_array_equal(result.peaks.hinge_force[0], result.array("hinge_force")[0])
