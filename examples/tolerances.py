@@ -32,7 +32,7 @@ def measure(result: rc.Result) -> dict[str, float]:
     """Return the transmission error [m], peak to peak, and the largest tooth force [N]."""
     late = result.between(start=SETTLED)
     error = late.transmission_error(2, 1).attrs["peak_to_peak_length"]
-    return {"variation": float(error), "force": float(late.peaks.tooth_force.max())}
+    return {"swing": float(error), "force": float(late.peaks.tooth_force.max())}
 
 
 found = rc.sweep(
@@ -41,7 +41,7 @@ found = rc.sweep(
 
 figure, panels = plt.subplots(1, 2, figsize=(8.0, 3.4), layout="constrained")
 for axes, (name, unit, factor) in zip(
-    panels, (("variation", "transmission error [µm]", 1e6), ("force", "largest tooth force [N]", 1.0)),
+    panels, (("swing", "transmission error [µm]", 1e6), ("force", "largest tooth force [N]", 1.0)),
     strict=True,
 ):  # fmt: skip
     values = factor * found[name].transpose("chain.pitch_spread", "sample").to_numpy()
