@@ -108,8 +108,8 @@ class ChainSize:
     def breaking_load(self, strands: int = 1) -> float | None:
         """Return the smallest ultimate tensile strength of all strands [N]; None: not known.
 
-        ANSI/ASME B29.1 multiplies that of one strand. ISO 606 gives two and three strands of the B
-        series values of their own, which are less.
+        ANSI chains have that of one strand times their number. Two and three strands of the B
+        series have typical values of their own, from 05B to 24B.
 
         Examples
         --------
@@ -118,7 +118,7 @@ class ChainSize:
         """
         if strands == 1 or self.name.startswith("ANSI"):
             return strands * self.strength
-        return _STRENGTHS[self.name].get(strands)
+        return _STRENGTHS.get(self.name, {}).get(strands)
 
     @property
     def has_rollers(self) -> bool:

@@ -120,8 +120,11 @@ def test_strands_of_the_b_series_break_at_less_than_so_many_single_ones(
     assert found.breaking_load == (None if expected is None else pytest.approx(expected))
 
 
-def test_every_size_of_the_b_series_has_two_and_three_strands():
+def test_sizes_of_the_b_series_have_two_and_three_strands_or_none_is_known():
     for name, size in rc.chain_sizes().items():
+        if name in ("ISO 28B", "ISO 32B"):
+            assert [size.breaking_load(strands) for strands in (2, 3)] == [None, None]
+            continue
         loads = [size.breaking_load(strands) for strands in (1, 2, 3)]
         shares = np.array(loads) / (size.strength * np.array([1, 2, 3]))
         assert shares[0] == 1.0
