@@ -15,11 +15,9 @@
 
 use pulp::Simd;
 
-use super::ring::{HingeBlocks, own_packs};
+use super::ring::{HingeBlocks, hinge_vectors};
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
-use crate::math::simd::{
-    Lanes, Numbers, WIDTH, packs_mut, padded_zeros, parts, put_part, read, vectors_mut,
-};
+use crate::math::simd::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
 
 /// Return α and η of vector `part` of these contacts.
 #[inline(always)]
@@ -130,18 +128,19 @@ pub(super) fn assemble_compliance<S: Simd, const FRICTION: bool>(
     let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
     loaded.any = false;
     let groups = slopes.len();
-    let bearing = packs_mut(&mut loaded.hinges[BASE..], groups);
-    let [own_xx, own_yy, own_xy] = own_packs(&mut blocks.own, groups);
+    let count = groups * parts::<S>().len();
+    let bearing = vectors_mut::<S>(&mut loaded.hinges[BASE..], count);
+    let [own_xx, own_yy, own_xy] = hinge_vectors::<S>(&mut blocks.compliance, count);
     for number in 0..groups {
         let slopes = &slopes[number];
         for part in parts::<S>() {
             let i = number * parts::<S>().len() + part;
             let bears = slopes.force.at(simd, part).greater(zero);
-            put_part(&mut bearing[number], part, bears.select(one, zero));
+            bearing[i] = bears.select(one, zero).values();
             if !bears.any() {
-                put_part(&mut own_xx[number], part, one);
-                put_part(&mut own_yy[number], part, one);
-                put_part(&mut own_xy[number], part, zero);
+                own_xx[i] = one.values();
+                own_yy[i] = one.values();
+                own_xy[i] = zero.values();
                 if FRICTION {
                     arms.put(i, [zero; 2], zero, [zero; 2]);
                 }
@@ -168,9 +167,9 @@ pub(super) fn assemble_compliance<S: Simd, const FRICTION: bool>(
             let (along, across) = (eta * over, alpha * over);
             let xx = along.mul_add(nx * nx, across * (ny * ny));
             let yy = along.mul_add(ny * ny, across * (nx * nx));
-            put_part(&mut own_xx[number], part, bears.select(xx, one));
-            put_part(&mut own_yy[number], part, bears.select(yy, one));
-            put_part(&mut own_xy[number], part, (along - across) * (nx * ny));
+            own_xx[i] = bears.select(xx, one).values();
+            own_yy[i] = bears.select(yy, one).values();
+            own_xy[i] = ((along - across) * (nx * ny)).values();
         }
     }
 }
@@ -180,7 +179,7 @@ pub(super) fn assemble_ideal(hinges: usize, loaded: &mut LoadedHinges, blocks: &
     loaded.any = true;
     loaded.hinges[BASE..].fill(0.0);
     loaded.hinges[BASE..][..hinges].fill(1.0);
-    for (own, behind) in blocks.own.iter_mut().zip([1.0, 1.0, 0.0]) {
+    for (own, behind) in blocks.compliance.iter_mut().zip([1.0, 1.0, 0.0]) {
         own[BASE..].fill(behind);
         own[BASE..][..hinges].fill(0.0);
     }

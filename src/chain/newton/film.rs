@@ -7,9 +7,9 @@
 use pulp::Simd;
 
 use super::contacts::{BASE, FrictionArms, LEAST, LEAST_SHARE, LoadedHinges, scaled};
-use super::ring::{HingeBlocks, own_packs};
+use super::ring::{HingeBlocks, hinge_vectors};
 use crate::chain::arrays::slopes::{ContactSlopes, FilmGroup};
-use crate::math::simd::{Lanes, packs_mut, parts, put_part, read};
+use crate::math::simd::{Lanes, parts, read, vectors_mut};
 
 /// Upper bound of xy²/(xx yy) in a block. Larger off-diagonal entries are set to zero, which keeps the block positive definite.
 const MOST_BESIDE: f64 = 0.9;
@@ -33,8 +33,8 @@ pub(super) fn assemble_film_compliance<S: Simd>(
     let (once, twice) = (splat(gamma), splat(gamma * gamma));
     loaded.any = true;
     let count = parts::<S>().len();
-    let bearing = packs_mut(&mut loaded.hinges[BASE..], slopes.len());
-    let mut own = own_packs(&mut blocks.own, slopes.len());
+    let bearing = vectors_mut::<S>(&mut loaded.hinges[BASE..], slopes.len() * count);
+    let mut own = hinge_vectors::<S>(&mut blocks.compliance, slopes.len() * count);
     let each = slopes.iter().zip(films).zip(&hinges.friction);
     for (number, ((slopes, film), friction)) in each.enumerate() {
         for part in parts::<S>() {
@@ -43,7 +43,7 @@ pub(super) fn assemble_film_compliance<S: Simd>(
             let [kxx, kyy, kxy] = read(simd, &film.stiffness, part);
             let touches = slopes.force.at(simd, part).greater(zero);
             let bears = dxx.greater(zero).or(touches);
-            put_part(&mut bearing[number], part, bears.select(one, zero));
+            bearing[i] = bears.select(one, zero).values();
             let [alpha, eta] = scaled(gamma, simd, slopes, part);
             let tau = once * friction.slope.at(simd, part);
             // Stiffness in the frame (n, t): α + γ D_xx + γ² K_xx and η + τ + γ D_yy + γ² K_yy; negative K_xx and K_yy are set to
@@ -71,7 +71,7 @@ pub(super) fn assemble_film_compliance<S: Simd>(
                 ),
             ];
             for (own, entry) in own.iter_mut().zip(entries) {
-                put_part(&mut own[number], part, entry);
+                own[i] = entry.values();
             }
         }
     }

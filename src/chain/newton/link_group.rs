@@ -7,7 +7,7 @@ use super::link_ends::HingeCoupling;
 use super::spatial::Spatial;
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
-use crate::math::simd::{Lanes, Numbers, Pack, Pack8, packs, part_of, read, write};
+use crate::math::simd::{Lanes, Numbers, Pack8, load, read, vectors, write};
 
 /// Eight links. Links of the padding have mass and inertia one.
 #[derive(Debug, Clone, Copy)]
@@ -55,18 +55,18 @@ impl LinkGroup {
         }
     }
 
-    /// Return values of the bushings on the fronts and on the rears of these links, pack `number`; zero where that end has no bushing.
+    /// Return values of the bushings on the fronts and on the rears of these links, vector `i`, which is `part` of the group; zero where
+    /// that end has no bushing.
     #[inline(always)]
     pub(super) fn of_ends<S: Simd>(
         &self,
         simd: S,
-        of: &Bushings,
-        number: usize,
-        part: usize,
+        of: &Bushings<S>,
+        (i, part): (usize, usize),
     ) -> [Lanes<S>; 2] {
         [
-            self.front_bushing.at(simd, part) * part_of(simd, &of.front[number], part),
-            self.rear_bushing.at(simd, part) * part_of(simd, &of.rear[number], part),
+            self.front_bushing.at(simd, part) * load(simd, &of.front[i]),
+            self.rear_bushing.at(simd, part) * load(simd, &of.rear[i]),
         ]
     }
 
@@ -94,15 +94,15 @@ impl LinkGroup {
     pub(super) fn held_links<S: Simd, const FRICTION: bool>(
         &self,
         simd: S,
-        (stiffness, spun): (&[Bushings; 3], &[Bushings; 3]),
+        (stiffness, spun): (&[Bushings<S>; 3], &[Bushings<S>; 3]),
         [u, v]: [Lanes<S>; 2],
         inertia: Lanes<S>,
-        (number, part): (usize, usize),
+        place: (usize, usize),
     ) -> Spatial<S> {
-        let mass = self.mass.at(simd, part);
-        let [front_xx, rear_xx] = self.of_ends(simd, &stiffness[0], number, part);
-        let [front_yy, rear_yy] = self.of_ends(simd, &stiffness[1], number, part);
-        let [front_xy, rear_xy] = self.of_ends(simd, &stiffness[2], number, part);
+        let mass = self.mass.at(simd, place.1);
+        let [front_xx, rear_xx] = self.of_ends(simd, &stiffness[0], place);
+        let [front_yy, rear_yy] = self.of_ends(simd, &stiffness[1], place);
+        let [front_xy, rear_xy] = self.of_ends(simd, &stiffness[2], place);
         let (xx, yy, xy) = (front_xx + rear_xx, front_yy + rear_yy, front_xy + rear_xy);
         let (dxx, dyy, dxy) = (front_xx - rear_xx, front_yy - rear_yy, front_xy - rear_xy);
         let turned = [u.mul_add(xx, v * xy), u.mul_add(xy, v * yy)];
@@ -115,9 +115,9 @@ impl LinkGroup {
             u.mul_add(turned[0], v.mul_add(turned[1], inertia)),
         ];
         if FRICTION {
-            let [front_x, rear_x] = self.of_ends(simd, &spun[0], number, part);
-            let [front_y, rear_y] = self.of_ends(simd, &spun[1], number, part);
-            let [front, rear] = self.of_ends(simd, &spun[2], number, part);
+            let [front_x, rear_x] = self.of_ends(simd, &spun[0], place);
+            let [front_y, rear_y] = self.of_ends(simd, &spun[1], place);
+            let [front, rear] = self.of_ends(simd, &spun[2], place);
             block[2] = block[2] + (front_x + rear_x);
             block[4] = block[4] + (front_y + rear_y);
             let crossed = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
@@ -127,20 +127,20 @@ impl LinkGroup {
     }
 }
 
-/// Array of bushings as packs of links: bushings on their fronts, and bushings on their rears.
+/// Array of bushings as vectors of links: bushings on their fronts, and bushings on their rears.
 #[derive(Clone, Copy)]
-pub(super) struct Bushings<'a> {
-    front: &'a [Pack],
-    rear: &'a [Pack],
+pub(super) struct Bushings<'a, S: Simd> {
+    front: &'a [S::f64s],
+    rear: &'a [S::f64s],
 }
 
-impl<'a> Bushings<'a> {
-    /// Return the first `count` packs; bushing k is at [`BASE`] + k.
+impl<'a, S: Simd> Bushings<'a, S> {
+    /// Return the first `count` vectors; bushing k is at [`BASE`] + k.
     #[inline(always)]
     pub(super) fn of(array: &'a [f64], count: usize) -> Self {
         Self {
-            front: packs(&array[BASE..], count),
-            rear: packs(&array[BASE - 1..], count),
+            front: vectors::<S>(&array[BASE..], count),
+            rear: vectors::<S>(&array[BASE - 1..], count),
         }
     }
 
@@ -167,21 +167,21 @@ pub(super) struct Linked<'a> {
     pub(super) arms: &'a FrictionArms,
 }
 
-/// Arrays of the links in packs.
-pub(super) struct LinkRows<'a> {
+/// Arrays of the links in vectors.
+pub(super) struct LinkRows<'a, S: Simd> {
     gamma_squared: f64,
-    cos: &'a [Pack],
-    sin: &'a [Pack],
-    arm: &'a [Pack],
-    front_force: [&'a [Pack]; 2],
-    rear_force: [&'a [Pack]; 2],
+    cos: &'a [S::f64s],
+    sin: &'a [S::f64s],
+    arm: &'a [S::f64s],
+    front_force: [&'a [S::f64s]; 2],
+    rear_force: [&'a [S::f64s]; 2],
     /// Arms of the contact points of the hinges at front and rear, see [`FrictionArms`].
-    front_arms: [&'a [Pack]; 2],
-    rear_arms: [&'a [Pack]; 2],
+    front_arms: [&'a [S::f64s]; 2],
+    rear_arms: [&'a [S::f64s]; 2],
 }
 
-impl<'a> LinkRows<'a> {
-    /// Return the first `count` packs.
+impl<'a, S: Simd> LinkRows<'a, S> {
+    /// Return the first `count` vectors.
     #[inline(always)]
     pub(super) fn of(of: &Linked<'a>, count: usize) -> Self {
         let [front_x, front_y] = of.front_force;
@@ -189,32 +189,32 @@ impl<'a> LinkRows<'a> {
         let ([front_u, front_v], [rear_u, rear_v]) = (&of.arms.front, &of.arms.rear);
         Self {
             gamma_squared: of.gamma * of.gamma,
-            cos: packs(of.direction[0], count),
-            sin: packs(of.direction[1], count),
-            arm: packs(of.arm, count),
-            front_force: [packs(front_x, count), packs(front_y, count)],
-            rear_force: [packs(rear_x, count), packs(rear_y, count)],
+            cos: vectors::<S>(of.direction[0], count),
+            sin: vectors::<S>(of.direction[1], count),
+            arm: vectors::<S>(of.arm, count),
+            front_force: [vectors::<S>(front_x, count), vectors::<S>(front_y, count)],
+            rear_force: [vectors::<S>(rear_x, count), vectors::<S>(rear_y, count)],
             front_arms: [
-                packs(&front_u[BASE..], count),
-                packs(&front_v[BASE..], count),
+                vectors::<S>(&front_u[BASE..], count),
+                vectors::<S>(&front_v[BASE..], count),
             ],
             rear_arms: [
-                packs(&rear_u[BASE - 1..], count),
-                packs(&rear_v[BASE - 1..], count),
+                vectors::<S>(&rear_u[BASE - 1..], count),
+                vectors::<S>(&rear_v[BASE - 1..], count),
             ],
         }
     }
 
-    /// Write levers and inverse of vector `part` of pack `number` of links; return the coupling of their hinges.
+    /// Write levers and inverse of vector `i` of links, which is `part` of their group; return the coupling of their hinges.
     #[inline(always)]
-    pub(super) fn eliminate<S: Simd, const FRICTION: bool>(
+    pub(super) fn eliminate<const FRICTION: bool>(
         &self,
         simd: S,
-        teeth: (&[Bushings; 3], &[Bushings; 3]),
+        teeth: (&[Bushings<S>; 3], &[Bushings<S>; 3]),
         (links, levers): (&mut LinkGroup, &mut [Pack8; 4]),
-        (number, part): (usize, usize),
+        (i, part): (usize, usize),
     ) -> HingeCoupling<S> {
-        let at = |array: &[Pack]| part_of(simd, &array[number], part);
+        let at = |array: &[S::f64s]| load(simd, &array[i]);
         let (arm, cos, sin) = (at(self.arm), at(self.cos), at(self.sin));
         let lever = [-(arm * sin), arm * cos];
         write(&mut links.lever, part, lever);
@@ -235,7 +235,7 @@ impl<'a> LinkRows<'a> {
         }
         if links.touches_teeth {
             let inverse = links
-                .held_links::<S, FRICTION>(simd, teeth, lever, inertia, (number, part))
+                .held_links::<S, FRICTION>(simd, teeth, lever, inertia, (i, part))
                 .inverse();
             write(&mut links.inverse, part, inverse.0);
             return if FRICTION {

@@ -9,12 +9,13 @@ use pulp::Simd;
 
 use super::contacts::{BASE, LoadedHinges};
 use super::link_group::{Bushings, LinkGroup, LinkRows, Linked};
-use super::ring::{HingeBlocks, coupling_packs, hinge_numbers, own_packs};
+use super::ring::{BEFORE, HingeBlocks, hinge_numbers, hinge_vectors, put_rows};
 use super::teeth::ToothTerms;
+use crate::chain::arrays::slopes::group_of;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Entries, Lanes, Numbers, Pack, Pack8, PartialSums, WIDTH, packs, packs_mut, padded_zeros,
-    part_of, parts, put_part, read, write,
+    Entries, Lanes, Numbers, Pack, Pack8, PartialSums, WIDTH, load, packs, packs_mut, padded_zeros,
+    part_of, parts, put_part, read, vectors, vectors_mut, write,
 };
 
 /// Return whether a bushing of a group of links touches a tooth; rears add the bushing before the group.
@@ -33,6 +34,8 @@ pub(super) struct LinkTerms {
     levers: Vec<[Pack8; 4]>,
     /// `R D⁻¹ R^T`: xx, yy, xy; a copy of the first link follows the last.
     rear: [Numbers; 3],
+    /// Scratch of an elimination: `-F D⁻¹ R^T` in row-major order, the coupling of the two hinges of a link.
+    between: [Numbers; 4],
     /// Scratch of a solution: velocities of rears; a copy of the first one follows the last.
     rear_velocity: [Numbers; 2],
     /// Scratch: changes of hinge forces, x and y; hinge k at [`BASE`] + k.
@@ -52,6 +55,7 @@ impl LinkTerms {
                 .collect(),
             levers: vec![[Pack8::default(); 4]; n.div_ceil(WIDTH)],
             rear: [(); 3].map(|()| with_first()),
+            between: [(); 4].map(|()| padded_zeros(n)),
             rear_velocity: [with_first(), with_first()],
             force: [hinges(), hinges()],
         }
@@ -92,7 +96,7 @@ impl LinkTerms {
 }
 
 impl LinkTerms {
-    /// Eliminate all links; the result is added to the ring, which holds the hinges' compliances.
+    /// Eliminate all links and write the rows of the ring, which holds the hinges' compliances.
     #[inline(always)]
     pub(super) fn eliminate<S: Simd, const FRICTION: bool>(
         &mut self,
@@ -100,74 +104,93 @@ impl LinkTerms {
         of: &Linked,
         ring: &mut HingeBlocks,
     ) {
-        let count = self.groups.len();
-        let loaded = packs(&of.loaded.hinges[BASE..], count);
-        let loaded_before = packs(&of.loaded.hinges[BASE - 1..], count);
+        for (number, group) in self.groups.iter_mut().enumerate() {
+            group.touches_teeth = touched(of.teeth, of.links, number);
+        }
+        let count = self.groups.len() * parts::<S>().len();
+        let loaded = vectors::<S>(&of.loaded.hinges[BASE..], count);
+        let loaded_before = vectors::<S>(&of.loaded.hinges[BASE - 1..], count);
         let links = LinkRows::of(of, count);
         {
             let [xx, yy, xy] = &mut self.rear;
             let rear = [
-                packs_mut(xx, count),
-                packs_mut(yy, count),
-                packs_mut(xy, count),
+                vectors_mut::<S>(xx, count),
+                vectors_mut::<S>(yy, count),
+                vectors_mut::<S>(xy, count),
             ];
             let teeth = (
                 &Bushings::of_three(&of.teeth.tooth_stiffness, count),
                 &Bushings::of_three(&of.teeth.spun, count),
             );
-            let own = own_packs(&mut ring.own, count);
-            let couplings = coupling_packs(&mut ring.before, count);
-            let (groups, levers) = (&mut self.groups[..count], &mut self.levers[..count]);
-            for number in 0..count {
-                let (group, levers) = (&mut groups[number], &mut levers[number]);
-                group.touches_teeth = touched(of.teeth, of.links, number);
-                for part in parts::<S>() {
-                    let place = (number, part);
-                    let ends = links.eliminate::<S, FRICTION>(simd, teeth, (group, levers), place);
-                    for axis in 0..3 {
-                        put_part(&mut rear[axis][number], part, ends.rear[axis]);
-                    }
-                    let loaded = part_of(simd, &loaded[number], part);
-                    // S_k += F D⁻¹ F^T and C_k = -F D⁻¹ R^T; hinges without force stay uncoupled.
-                    for axis in 0..3 {
-                        let own = &mut own[axis][number];
-                        let sum = loaded.mul_add(ends.front[axis], part_of(simd, own, part));
-                        put_part(own, part, sum);
-                    }
-                    let both = loaded * part_of(simd, &loaded_before[number], part);
-                    for entry in 0..4 {
-                        let coupling = both * ends.between[entry];
-                        put_part(&mut couplings[entry][number], part, coupling);
-                    }
+            let own = hinge_vectors::<S>(&mut ring.compliance, count);
+            let [xx, xy, yx, yy] = &mut self.between;
+            let between = [
+                vectors_mut::<S>(xx, count),
+                vectors_mut::<S>(xy, count),
+                vectors_mut::<S>(yx, count),
+                vectors_mut::<S>(yy, count),
+            ];
+            for i in 0..count {
+                let (group, part) = group_of::<S, _>(&mut self.groups, i);
+                let (levers, _) = group_of::<S, _>(&mut self.levers, i);
+                let ends = links.eliminate::<FRICTION>(simd, teeth, (group, levers), (i, part));
+                for axis in 0..3 {
+                    rear[axis][i] = ends.rear[axis].values();
+                }
+                let loaded = load(simd, &loaded[i]);
+                // S_k += F D⁻¹ F^T and C_k = -F D⁻¹ R^T; hinges without force stay uncoupled.
+                for axis in 0..3 {
+                    let own = &mut own[axis][i];
+                    *own = loaded.mul_add(ends.front[axis], load(simd, own)).values();
+                }
+                let both = loaded * load(simd, &loaded_before[i]);
+                for entry in 0..4 {
+                    between[entry][i] = (both * ends.between[entry]).values();
                 }
             }
         }
-        self.add_rears(simd, of.links, loaded, ring);
+        self.write_rows(simd, of.links, loaded, ring);
     }
 
-    /// Add `R D⁻¹ R^T` of the next link to the block of each hinge.
+    /// Write the rows of the ring: the block of each hinge with `R D⁻¹ R^T` of the next link, and its coupling.
     #[inline(always)]
-    fn add_rears<S: Simd>(
+    fn write_rows<S: Simd>(
         &mut self,
         simd: S,
         links: usize,
-        loaded: &[Pack],
+        loaded: &[S::f64s],
         ring: &mut HingeBlocks,
     ) {
         let count = loaded.len();
-        for axis in 0..3 {
-            let rear = &mut self.rear[axis];
+        for rear in &mut self.rear {
             rear[links] = rear[0];
-            let rear = packs(&rear[1..], count);
-            let own = packs_mut(&mut ring.own[axis][BASE..], count);
-            for number in 0..count {
-                for part in parts::<S>() {
-                    let loaded = part_of(simd, &loaded[number], part);
-                    let own = &mut own[number];
-                    let rear = part_of(simd, &rear[number], part);
-                    put_part(own, part, loaded.mul_add(rear, part_of(simd, own, part)));
-                }
+        }
+        let [xx, yy, xy] = &self.rear;
+        let rear = [
+            vectors::<S>(&xx[1..], count),
+            vectors::<S>(&yy[1..], count),
+            vectors::<S>(&xy[1..], count),
+        ];
+        let own = hinge_vectors::<S>(&mut ring.compliance, count);
+        let [xx, xy, yx, yy] = &self.between;
+        let between = [
+            vectors::<S>(xx, count),
+            vectors::<S>(xy, count),
+            vectors::<S>(yx, count),
+            vectors::<S>(yy, count),
+        ];
+        let rows = ring.rows.chunks_exact_mut(S::F64_LANES).take(count);
+        for (i, rows) in rows.enumerate() {
+            let loaded = load(simd, &loaded[i]);
+            let mut entries = [Lanes::splat(simd, 0.0); WIDTH];
+            for axis in 0..3 {
+                let rear = load(simd, &rear[axis][i]);
+                entries[axis] = loaded.mul_add(rear, load(simd, &own[axis][i]));
             }
+            for entry in 0..4 {
+                entries[BEFORE + entry] = load(simd, &between[entry][i]);
+            }
+            put_rows(simd, rows, &entries);
         }
     }
 
@@ -322,7 +345,8 @@ impl LinkTerms {
         column: &mut [[Pack8; 3]],
     ) {
         let count = self.groups.len();
-        let from = Bushings::of_three(from, count);
+        let parts = parts::<S>();
+        let from = Bushings::<S>::of_three(from, count * parts.len());
         let (groups, column) = (&self.groups[..count], &mut column[..count]);
         for number in 0..count {
             let (group, column) = (&groups[number], &mut column[number]);
@@ -330,13 +354,14 @@ impl LinkTerms {
                 *column = [Pack8::default(); 3];
                 continue;
             }
-            for part in parts::<S>() {
+            for part in parts.clone() {
+                let place = (number * parts.len() + part, part);
                 let [u, v] = read(simd, &group.lever, part);
-                let [front_x, rear_x] = group.of_ends(simd, &from[0], number, part);
-                let [front_y, rear_y] = group.of_ends(simd, &from[1], number, part);
+                let [front_x, rear_x] = group.of_ends(simd, &from[0], place);
+                let [front_y, rear_y] = group.of_ends(simd, &from[1], place);
                 let mut turn = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
                 if FRICTION {
-                    let [front, rear] = group.of_ends(simd, &from[2], number, part);
+                    let [front, rear] = group.of_ends(simd, &from[2], place);
                     turn = turn + (front + rear);
                 }
                 write(column, part, [front_x + rear_x, front_y + rear_y, turn]);

@@ -14,50 +14,58 @@ use super::blocks::{Block, Symmetric, from_left, from_right};
 use super::contacts::BASE;
 use crate::math::dense::Dense;
 use crate::math::simd::{
-    Lanes, Mask, Numbers, Pack, Pack8, WIDTH, lane_numbers, load, no_lane, packs_mut, padded_zeros,
-    parts, transposed, vectors, write,
+    Lanes, Mask, Numbers, Pack8, WIDTH, lane_numbers, load, no_lane, padded, padded_zeros, parts,
+    transposed, vectors, vectors_mut, write,
 };
 
-/// Blocks of all hinges, hinge k at [`BASE`] + k. Entries behind the last one may be read; their values are not used.
+/// Blocks of all hinges.
 #[derive(Debug, Clone)]
 pub(super) struct HingeBlocks {
-    /// S: xx, yy, xy.
-    pub(super) own: [Numbers; 3],
-    /// C, the coupling of hinge k with hinge k - 1, in row-major order.
-    pub(super) before: [Numbers; 4],
+    /// S without the ends of links: xx, yy, xy. Hinge k is at [`BASE`] + k.
+    pub(super) compliance: [Numbers; 3],
+    /// S and C of each hinge: entries xx, yy and xy of S, one without use, and C in row-major order. C couples hinge k with hinge k - 1.
+    pub(super) rows: Vec<Pack8>,
 }
+
+/// Entry of C in a row of [`HingeBlocks`].
+pub(super) const BEFORE: usize = 4;
 
 impl HingeBlocks {
     /// Allocate the blocks of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         Self {
-            own: [(); 3].map(|()| hinge_numbers(hinges)),
-            before: [(); 4].map(|()| hinge_numbers(hinges)),
+            compliance: [(); 3].map(|()| hinge_numbers(hinges)),
+            rows: vec![Pack8::default(); padded(hinges)],
         }
     }
 }
 
-/// Return the first `count` packs of S.
+/// Write the rows of one vector of hinges from their entries.
 #[inline(always)]
-pub(super) fn own_packs([xx, yy, xy]: &mut [Numbers; 3], count: usize) -> [&mut [Pack]; 3] {
-    [
-        packs_mut(&mut xx[BASE..], count),
-        packs_mut(&mut yy[BASE..], count),
-        packs_mut(&mut xy[BASE..], count),
-    ]
+pub(super) fn put_rows<S: Simd>(simd: S, rows: &mut [Pack8], entries: &[Lanes<S>; WIDTH]) {
+    let rows = &mut rows[..S::F64_LANES];
+    for part in parts::<S>() {
+        let mut some = [Lanes::splat(simd, 0.0); WIDTH];
+        for lane in 0..S::F64_LANES {
+            some[lane] = entries[part * S::F64_LANES + lane];
+        }
+        let columns = transposed(simd, some);
+        for lane in 0..S::F64_LANES {
+            rows[lane].put(part, columns[lane]);
+        }
+    }
 }
 
-/// Return the first `count` packs of C.
+/// Return the first `count` vectors of three arrays of hinges.
 #[inline(always)]
-pub(super) fn coupling_packs(
-    [xx, xy, yx, yy]: &mut [Numbers; 4],
+pub(super) fn hinge_vectors<S: Simd>(
+    [xx, yy, xy]: &mut [Numbers; 3],
     count: usize,
-) -> [&mut [Pack]; 4] {
+) -> [&mut [S::f64s]; 3] {
     [
-        packs_mut(&mut xx[BASE..], count),
-        packs_mut(&mut xy[BASE..], count),
-        packs_mut(&mut yx[BASE..], count),
-        packs_mut(&mut yy[BASE..], count),
+        vectors_mut::<S>(&mut xx[BASE..], count),
+        vectors_mut::<S>(&mut yy[BASE..], count),
+        vectors_mut::<S>(&mut xy[BASE..], count),
     ]
 }
 
@@ -209,39 +217,27 @@ impl Ring {
         lane_numbers(simd).less(Lanes::splat(simd, full - 0.5))
     }
 
-    /// Copy the blocks and transpose them: from consecutive hinges in a vector to one hinge of each part.
+    /// Copy the blocks and transpose them: from rows of hinges to one hinge of each part.
     #[inline(always)]
     fn gather_blocks<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
         for part in parts::<S>() {
             let mut starts = [0; WIDTH];
             starts[..S::F64_LANES].copy_from_slice(self.starts_of::<S>(part));
-            for first in self.vector_places::<S>() {
-                let places = &mut self.places[first..first + S::F64_LANES];
-                for entry in 0..3 {
-                    let columns = gather(simd, &blocks.own[entry][first..], &starts);
+            for (j, place) in self.places[..self.count].iter_mut().enumerate() {
+                let mut entries = [Lanes::splat(simd, 0.0); WIDTH];
+                for half in parts::<S>() {
+                    let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
                     for lane in 0..S::F64_LANES {
-                        places[lane].own[entry].put(part, columns[lane]);
+                        rows[lane] = blocks.rows[starts[lane] + j - BASE].at(simd, half);
                     }
-                }
-                for entry in 0..4 {
-                    let columns = gather(simd, &blocks.before[entry][first..], &starts);
+                    let columns = transposed(simd, rows);
                     for lane in 0..S::F64_LANES {
-                        places[lane].before[entry].put(part, columns[lane]);
+                        entries[half * S::F64_LANES + lane] = columns[lane];
                     }
                 }
-            }
-            if self.has_single_place::<S>() {
-                let last = self.count - 1;
-                let place = &mut self.places[last];
-                for lane in 0..S::F64_LANES {
-                    let (to, from) = (part * S::F64_LANES + lane, starts[lane] + last);
-                    for entry in 0..3 {
-                        place.own[entry].0[to] = blocks.own[entry][from];
-                    }
-                    for entry in 0..4 {
-                        place.before[entry].0[to] = blocks.before[entry][from];
-                    }
-                }
+                let [xx, yy, xy, _, before @ ..] = entries;
+                write(&mut place.own, part, [xx, yy, xy]);
+                write(&mut place.before, part, before);
             }
         }
         if self.full < WIDTH {
@@ -374,15 +370,14 @@ fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bo
     dense.clear();
     for k in 0..hinges {
         let before = (k + hinges - 1) % hinges;
-        for (entry, (i, j)) in [(0, 0), (1, 1), (0, 1)].into_iter().enumerate() {
-            let value = blocks.own[entry][BASE + k];
+        let (own, coupling) = blocks.rows[k].0.split_at(BEFORE);
+        for (&value, (i, j)) in own.iter().zip([(0, 0), (1, 1), (0, 1)]) {
             dense.add(2 * k + i, 2 * k + j, value);
             if i != j {
                 dense.add(2 * k + j, 2 * k + i, value);
             }
         }
-        for (entry, coupling) in blocks.before.iter().enumerate() {
-            let value = coupling[BASE + k];
+        for (entry, &value) in coupling.iter().enumerate() {
             let (i, j) = (2 * k + entry / 2, 2 * before + entry % 2);
             dense.add(i, j, value);
             dense.add(j, i, value);

@@ -47,23 +47,24 @@ proptest! {
         let mut blocks = HingeBlocks::new(n);
         for k in 0..n {
             let coupled = closed(k) && closed((k + n - 1) % n);
-            for (entry, own) in blocks.own.iter_mut().enumerate() {
+            let (own, before) = blocks.rows[k].0.split_at_mut(BEFORE);
+            for (entry, own) in own[..3].iter_mut().enumerate() {
                 let one = f64::from(u8::from(entry < 2));
-                own[BASE + k] = if closed(k) { 1.5 * one + next.next().unwrap() } else { one };
+                *own = if closed(k) { 1.5 * one + next.next().unwrap() } else { one };
             }
-            for before in &mut blocks.before {
-                before[BASE + k] = if coupled { next.next().unwrap() } else { 0.0 };
+            for before in before {
+                *before = if coupled { next.next().unwrap() } else { 0.0 };
             }
         }
         let mut dense = DMatrix::<f64>::zeros(2 * n, 2 * n);
         for k in 0..n {
-            let [a, d, b] = [0, 1, 2].map(|i| blocks.own[i][BASE + k]);
+            let ([a, d, b, _], coupling) = blocks.rows[k].0.split_first_chunk::<BEFORE>().unwrap();
             dense[(2 * k, 2 * k)] += a;
             dense[(2 * k + 1, 2 * k + 1)] += d;
             dense[(2 * k, 2 * k + 1)] += b;
             dense[(2 * k + 1, 2 * k)] += b;
             let before = (k + n - 1) % n;
-            for (i, entry) in blocks.before.iter().map(|coupling| coupling[BASE + k]).enumerate() {
+            for (i, entry) in coupling.iter().enumerate() {
                 dense[(2 * k + i / 2, 2 * before + i % 2)] += entry;
                 dense[(2 * before + i % 2, 2 * k + i / 2)] += entry;
             }
@@ -96,9 +97,10 @@ fn a_block_without_an_inverse_is_reported() {
     for hinge in [0, 3, 20, 37] {
         for wrong in [0.0, f64::NAN, -1.0] {
             let mut blocks = HingeBlocks::new(38);
-            blocks.own[0].fill(1.0);
-            blocks.own[1].fill(1.0);
-            blocks.own[0][BASE + hinge] = wrong;
+            for row in &mut blocks.rows {
+                row.0[..2].fill(1.0);
+            }
+            blocks.rows[hinge].0[0] = wrong;
             for set in InstructionSet::available() {
                 let mut ring = Ring::new(38);
                 let regular = set.run(FactoriseRing {
