@@ -23,6 +23,7 @@ from rustchain.names import known_keywords, suggest
 from rustchain.typing import Array
 
 _Class = TypeVar("_Class", bound=type)
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 # What a path may be, as messages have it.
 PATH_WORDS = "the name of a file, str or Path; open files and buffers are not supported"
@@ -53,7 +54,7 @@ def plain(value: Any) -> Any:  # noqa: ANN401
 
 
 class _NoNumber:
-    """A date or a record of NumPy, or a number beyond the range of float: it has no value here."""
+    """A date, a record or a masked value of NumPy, or a number beyond the range of float."""
 
     def __init__(self, value: object) -> None:
         self._shown = shown(value)
@@ -64,7 +65,7 @@ class _NoNumber:
 
 def _plain(value: Any, levels: int) -> Any:  # noqa: ANN401
     if isinstance(value, np.ndarray | np.generic):
-        if value.dtype.kind in "mMV":
+        if value.dtype.kind in "mMV" or np.ma.is_masked(value):
             return _NoNumber(value)
         value = value.tolist()
     if isinstance(value, list | tuple):
@@ -79,7 +80,7 @@ def _plain(value: Any, levels: int) -> Any:  # noqa: ANN401
     return _NoNumber(value) if overflow else number
 
 
-def checked(function: Any, only: Collection[Any] | None = None) -> Any:  # noqa: ANN401
+def checked(function: _Function, only: Collection[Any] | None = None) -> _Function:
     """Let a function check its arguments by their names and annotations before it is called.
 
     Numbers are converted to Python's exactly once; they have to be finite. What an annotation does
@@ -104,7 +105,7 @@ def checked(function: Any, only: Collection[Any] | None = None) -> Any:  # noqa:
                 bound.arguments[name] = admitted(where, value, hints[name])
         return function(*bound.args, **bound.kwargs)
 
-    return called
+    return called  # type: ignore[return-value]  # it has the signature of the function
 
 
 def checked_methods(owner: _Class) -> _Class:
@@ -249,7 +250,7 @@ def finite_array(value: Any) -> npt.NDArray[np.float64] | None:  # noqa: ANN401
     """Return finite real numbers of any shape, or None."""
     try:
         kind = getattr(getattr(value, "dtype", None), "kind", "")
-        listed = isinstance(value, list | tuple) or kind == "O"
+        listed = isinstance(value, list | tuple) or kind == "O" or np.ma.is_masked(value)
         given = np.asarray(plain(value) if listed else value)  # a long array is not made a list
         array = given.astype(np.float64) if given.dtype.kind in "iuf" else None
     except Exception:
@@ -262,7 +263,8 @@ def rows_of(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array
     if values is None:
         return None
     try:
-        given = np.asarray(plain(values) if isinstance(values, list | tuple) else values)
+        listed = isinstance(values, list | tuple) or np.ma.is_masked(values)
+        given = np.asarray(plain(values) if listed else values)
         array = np.ascontiguousarray(given, dtype=float) if given.dtype.kind in "iuf" else None
     except Exception:
         given, array = np.empty(0, dtype=object), None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -33,6 +34,12 @@ def path_of(path: object, field: str = "path") -> Path:
     if "\0" in name:
         msg = f"{field} = {shown_path(name)}: has a NUL character; expected a file name without one"
         raise InvalidInput(msg)
+    try:
+        os.fsencode(name)
+    except UnicodeEncodeError as error:
+        encoding = sys.getfilesystemencoding()
+        msg = f"{field} = {shown_path(name)}: is no file name; expected text that {encoding} has"
+        raise InvalidInput(msg) from error
     return Path(name)
 
 

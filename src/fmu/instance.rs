@@ -8,10 +8,14 @@ use super::contents::{Contents, GROUPS};
 use crate::error::{Error, Result, check};
 use crate::math::Signal;
 use crate::run::simulation::{Simulation, Snapshot};
+use crate::system::hash;
 
 /// Largest distance between the time of the master and that of the instance, over the step size: accumulated rounding of the master.
 /// It excludes a step that is repeated or left out, and may be doubled or halved.
 const TIME_MISMATCH: f64 = 1e-3;
+
+/// The same over the rounding of the time itself, for steps that are short beside it: master and instance add a start time in another order.
+const ROUNDINGS_OF_TIME: f64 = 4.0;
 
 /// Phase of an instance, the state machine of the standards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,6 +46,8 @@ impl Phase {
 #[derive(Debug, Clone)]
 pub struct Instance {
     contents: Contents,
+    /// Instantiation token of the contents.
+    token: String,
     simulation: Simulation,
     phase: Phase,
     /// Time of the master at the time zero of the simulation \[s\].
@@ -55,6 +61,8 @@ pub struct Instance {
 /// State of an instance: of its simulation and of its variables.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct InstanceState {
+    /// Instantiation token of the FMU.
+    token: String,
     simulation: Vec<u8>,
     phase: Phase,
     offset: f64,
@@ -69,17 +77,23 @@ impl InstanceState {
     /// # Errors
     /// None for a state; the encoder has errors for other types.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
-        postcard::to_allocvec(self).map_err(|error| {
+        let mut bytes = postcard::to_allocvec(self).map_err(|error| {
             Error::Impossible(format!("the state of the FMU cannot be encoded: {error}"))
-        })
+        })?;
+        let sum = hash(&bytes);
+        bytes.extend(sum.to_le_bytes());
+        Ok(bytes)
     }
 
     /// Return the state that [`Self::to_bytes`] encoded.
     ///
     /// # Errors
-    /// If the bytes hold no state.
+    /// If the bytes hold no state, or a damaged one.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        postcard::from_bytes(bytes).map_err(|_| {
+        let intact = (bytes.split_last_chunk())
+            .filter(|(content, sum)| hash(content) == u64::from_le_bytes(**sum));
+        let state = intact.and_then(|(content, _)| postcard::from_bytes(content).ok());
+        state.ok_or_else(|| {
             let value = format!("{} bytes", bytes.len());
             let expected = "are no state of this FMU, or a damaged one: serialize it once more";
             Error::invalid("state", value, expected)
@@ -111,6 +125,7 @@ impl Instance {
             set: vec![false; inputs.len()],
             inputs,
             outputs: Vec::new(),
+            token: contents.to_bytes()?.1,
             contents,
         };
         instance.advance_to(time)?;
@@ -209,7 +224,8 @@ impl Instance {
         check::positive("communication step size", size, "s")?;
         check::finite("communication point", time, "s")?;
         let own = self.time();
-        if (time - own).abs() > TIME_MISMATCH * size {
+        let rounding = ROUNDINGS_OF_TIME * f64::EPSILON * own.abs();
+        if (time - own).abs() > TIME_MISMATCH * size + rounding {
             let expected =
                 format!("the instance is at {own} s: continue from there, or set a state");
             return Err(Error::invalid("communication point", time, expected));
@@ -251,6 +267,7 @@ impl Instance {
         }
         self.simulation.check_intact()?;
         Ok(InstanceState {
+            token: self.token.clone(),
             simulation: self.simulation.snapshot().to_bytes()?,
             phase: self.phase,
             offset: self.offset,
@@ -265,12 +282,9 @@ impl Instance {
     /// # Errors
     /// If the state belongs to another FMU; the instance is then unchanged.
     pub fn set_state(&mut self, state: &InstanceState) -> Result<()> {
-        let alike = state.inputs.len() == self.inputs.len()
-            && state.set.len() == self.set.len()
-            && state.outputs.len() == self.outputs.len();
-        if !alike {
-            let value = format!("{} inputs", state.inputs.len());
-            return Err(Error::invalid("state", value, "belongs to another FMU"));
+        if state.token != self.token {
+            let expected = format!("belongs to another FMU: this one has {}", self.token);
+            return Err(Error::invalid("state", &state.token, expected));
         }
         self.simulation
             .restore(&Snapshot::from_bytes(&state.simulation)?)?;

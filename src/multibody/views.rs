@@ -6,6 +6,9 @@ use super::dynamics::MechanismDynamics;
 use crate::integrator::Adams;
 use crate::system::Energy;
 
+/// Load of a joint beyond that of any machine \[N, N m\]: the greatest presses have 1e9. At a dead point loads grow without bound.
+const JAMMED: f64 = 1e15;
+
 impl MechanismDynamics {
     /// Return the accelerations of the bodies that are not fixed, three per body.
     #[must_use]
@@ -150,6 +153,13 @@ impl MechanismDynamics {
         let contact = contacts
             .filter(|c| c.1 > 0.0)
             .max_by(|a, b| a.1.total_cmp(&b.1));
+        let asked = self.constraints.asked(&self.model, &self.frames);
+        let dead_point = match joint {
+            Some((load, _)) if load > JAMMED && !asked.is_empty() => {
+                ", beyond what any part bears: no positions of the joints may follow the drivers further, as at a dead point of a linkage"
+            }
+            _ => "",
+        };
         let joint = joint.map_or(String::new(), |(load, joint)| {
             let name = &self.model.joints[joint].name;
             format!(", joint {name:?} with a load of {load:.1e} N or N m")
@@ -163,6 +173,6 @@ impl MechanismDynamics {
         } else {
             ""
         };
-        joint + &contact + locked + &self.constraints.asked(&self.model, &self.frames)
+        joint + dead_point + &contact + locked + &asked
     }
 }

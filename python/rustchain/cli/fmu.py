@@ -59,7 +59,7 @@ def fmu(
             path,
             inputs=_names(inputs),
             outputs=_names(outputs),
-            version=fmi,  # checked by the function
+            version=fmi,  # type: ignore[arg-type]  # checked by the function
         )
         output.say(path)
         output.document({"file": path, "fmi": fmi})

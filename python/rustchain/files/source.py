@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -11,7 +10,7 @@ from typing import Any, TypeAlias
 from rustchain import _rustchain
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
-from rustchain.paths import check_regular, reason, shown_path
+from rustchain.paths import check_regular, path_of, reason, shown_path
 from rustchain.results.superblock import SIGNATURE
 
 Key: TypeAlias = tuple[str | int, ...]
@@ -49,13 +48,7 @@ class Source:
         """Read a file."""
         form = "JSON" if path.suffix.lower() == ".json" else "TOML"
         places: dict[Key, tuple[int, int]] = {}
-        try:
-            os.fsencode(path)
-        except UnicodeEncodeError as error:
-            msg = (
-                f"path = {shown_path(path)}: is no file name; expected text without lone surrogates"
-            )
-            raise InvalidInput(msg) from error
+        path = path_of(path)
         try:
             text = text_of(path)
             if form == "JSON":

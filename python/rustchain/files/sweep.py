@@ -294,7 +294,8 @@ class _SweepReader(Reader):
         made = {name: self._distribution(law, (*key, name)) for name, law in laws.items()}
         self.check()
         try:
-            return dict(samples(**(given | {"distributions": made})))
+            drawn = samples(**(given | {"distributions": made}))
+            return {names: list(rows) for names, rows in drawn.items()}
         except InvalidInput as error:
             raise self.source.refusal_at(("samples",), str(error)) from error
 

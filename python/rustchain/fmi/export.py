@@ -129,7 +129,8 @@ def _packed(
 def _identifier(path: Path) -> str:
     """Return the name of a file as that of a library, which is an identifier of C."""
     if path.suffix.lower() != ".fmu":
-        msg = f"path = {shown_path(path)}: expected the name of an FMU, {path.stem or 'drive'}.fmu"
+        stem = path.stem.removeprefix(".fmu") or "drive"
+        msg = f"path = {shown_path(path)}: expected the name of an FMU, {stem}.fmu"
         raise InvalidInput(msg)
     name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
     return name if name[0].isalpha() else f"fmu_{name}"

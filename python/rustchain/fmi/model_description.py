@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
@@ -42,6 +43,10 @@ _CAPABILITIES: Mapping[str, Mapping[str, str]] = {
         "hasEventMode": "false",
     },
 }
+
+
+_NO_CHARACTER = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""What XML 1.0 cannot contain."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +97,9 @@ def model_description(model: Model, version: str) -> bytes:
         _add_variables_2(root, model)
     else:
         _add_variables_3(root, model)
+    for element in root.iter():
+        for name, text in element.items():
+            element.set(name, _NO_CHARACTER.sub("_", text))
     ElementTree.indent(root)
     content: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return content

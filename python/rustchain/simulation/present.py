@@ -166,9 +166,11 @@ class Present(OfScene):
         return simulation
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy and pickle scene and state; the copy continues to the same bits."""
+        """Copy scene, state and a user's attributes; the copy continues to the same bits."""
         place = dict(zip(("positions", "velocities"), self._core.start(), strict=True))
-        return _copied, (type(self), self.scene, place, self.state(), self.rest)
+        made = (type(self), self.scene, place, self.state(), self.rest)
+        own = ("scene", "_core", "rest", "_running")
+        return _copied, made, {name: each for name, each in vars(self).items() if name not in own}
 
     @known_keywords
     def evaluate(

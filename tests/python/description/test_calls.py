@@ -120,6 +120,24 @@ def test_a_number_that_no_float_is_exactly_is_refused(value):
         rc.Material(elastic_modulus=value)
 
 
+def test_a_masked_value_is_no_value():
+    masked = np.ma.masked_invalid([0.0, 25.0, np.nan])
+    for value in (masked[2], np.ma.masked, masked):
+        with pytest.raises(rc.InvalidInput, match=r"pretension.* = masked"):
+            rc.paper_drive(pretension=value)
+    assert rc.paper_drive(pretension=masked[1]).tensioner is not None
+    axes = {"pretension": masked}
+    with pytest.warns(rc.CaseWarning, match="1 of 3 cases failed.*pretension = masked"):
+        rc.sweep(rc.paper_drive, axes, duration=1e-4, progress=False)
+    drive = rc.paper_drive()
+    begun = rc.Simulation(drive)
+    start = {"positions": np.ma.masked_array(begun.positions), "velocities": begun.velocities}
+    assert (rc.Simulation(drive, **start).positions == begun.positions).all()
+    start["positions"][3, 1] = np.ma.masked
+    with pytest.raises(rc.InvalidInput, match=r"positions = masked_array"):
+        rc.Simulation(drive, **start)
+
+
 @pytest.mark.parametrize(
     ("look", "nearest"),
     [

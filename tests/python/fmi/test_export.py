@@ -20,6 +20,13 @@ def test_fmpy_finds_no_problem(fmu):
     assert validate_fmu(str(fmu)) == []
 
 
+@pytest.mark.parametrize("name", ["a\x01b", "\ufffe", "\ud800"])
+def test_a_name_with_a_character_that_xml_cannot_contain_is_readable(name, drive, tmp_path):
+    path = tmp_path / "drive.fmu"
+    rc.export_fmu(replace(drive, name=name), path)
+    assert "_" in fmpy.read_model_description(str(path)).modelName
+
+
 def test_the_description_has_names_units_and_values_at_the_start(fmu, version, drive):
     description = fmpy.read_model_description(str(fmu))
     assert description.fmiVersion == version

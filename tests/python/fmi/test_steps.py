@@ -163,8 +163,34 @@ def test_a_state_is_returned_to_bit_for_bit(fmu):
         assert (other.steps(times[9:]) == onward).all()
         other.slave.freeFMUState(unpacked)
 
-        for damaged in (packed[: len(packed) // 2], b"\xff" * 64):
-            refused(master, "", lambda damaged=damaged: restored(slave, damaged))
+        flipped = bytearray(packed)
+        flipped[-20] ^= 0x40
+        for damaged in (packed[: len(packed) // 2], b"\xff" * 64, bytes(flipped), packed + b"xyz"):
+            refused(master, "damaged", lambda damaged=damaged: restored(slave, damaged))
+
+
+def test_the_state_of_another_fmu_is_refused(fmu, drive, version, tmp_path):
+    path = tmp_path / "another.fmu"
+    inputs = ["sprocket_2.set_torque", "sprocket_1.set_speed", "tensioner.set_force"]
+    rc.export_fmu(drive, path, version=version, inputs=inputs)
+    with opened(fmu) as own, opened(path) as other:
+        own.initialize()
+        other.initialize()
+        packed = other.slave.serializeFMUState(other.slave.getFMUState())
+        before = own.outputs()
+        refused(own, "belongs to another FMU", lambda: restored(own.slave, packed))
+        assert (own.outputs() == before).all()
+
+
+def test_steps_go_on_where_the_rounding_of_the_time_exceeds_a_thousandth_of_them(fmu):
+    start, size = 1.7e9, 1e-4
+    with opened(fmu) as master, opened(fmu) as early:
+        early.initialize()
+        master.initialize(start_time=start)
+        for step in range(20):
+            master.slave.doStep(start + step * size, size)
+            early.slave.doStep(step * size, size)
+        assert master.outputs()[1:] == pytest.approx(early.outputs()[1:], rel=0.1)
 
 
 def test_instances_of_one_process_are_independent(fmu):

@@ -174,6 +174,16 @@ def test_copies_of_a_simulation_continue_on_their_own(scene):
         np.testing.assert_array_equal(made.positions, simulation.positions)
 
 
+def test_copies_of_a_simulation_keep_the_attributes_of_its_user(scene):
+    simulation = rc.Simulation(scene)
+    simulation.label = ["first"]
+    shallow, deep = copy.copy(simulation), copy.deepcopy(simulation)
+    assert shallow.label is simulation.label
+    assert deep.label == ["first"]
+    assert deep.label is not simulation.label
+    assert pickle.loads(pickle.dumps(simulation)).label == ["first"]
+
+
 def test_a_scene_has_the_names_of_its_bodies(scene):
     assert scene.body_names == tuple(rc.Simulation(scene).body_names)
 

@@ -403,3 +403,15 @@ def test_scenes_with_bulged_outlines_are_equal_and_files_of_them_have_no_nan(tmp
     assert scene() == scene()
     assert rc.load_scene(path) == scene()
     assert "NaN" not in path.read_text(encoding="utf-8")
+
+
+def test_a_linkage_driven_into_its_dead_point_says_so():
+    linkage = rc.Mechanism(gravity=(0.0, 0.0))
+    for name, length, at, angle in (("crank", 1.0, 0.0, 1.0), ("rocker", 2.5, 3.0, 1.5)):
+        centre = (at + 0.5 * length * np.cos(angle), 0.5 * length * np.sin(angle), angle)
+        linkage.add_body(name, mass=1.0, inertia=length**2 / 12.0, position=centre)
+        linkage.add_revolute(f"{name} pivot", "ground", name, at=(at, 0.0))
+    linkage.add_distance("coupler", "crank", "rocker", point_a=(0.5, 0.0), point_b=(1.25, 0.0))
+    linkage.add_driver("motor", "ground", "rocker", speed=3.0)
+    with pytest.raises(rc.SimulationError, match=r"motor.*dead point of a linkage"):
+        rc.Simulation(linkage).run(3.0, 0.1, progress=False)
