@@ -126,9 +126,20 @@ class Circuit:
         wheel = len(positions) - len(drive.guides) - len(drive.sprockets) + self._first - 1
         return float(_displacement(drive, self._first, positions[wheel, 2])) - self._ahead
 
+    def steps(self, result: Result, rows: slice) -> Array:
+        """Return the path of the chain between these rows, forward and back [pitches], (rows - 1,).
+
+        It is that at the sprocket on which the chain jumped the fewest teeth in these rows. A
+        sprocket slips gradually, and its jump is counted at one time: both would count as path.
+        """
+        numbers = [each.sprocket for each in self.sections if each.sprocket is not None]
+        seated = min(numbers, key=lambda each: path_length(teeth_jumped(result, each)[rows]))
+        path: Array = np.abs(np.diff(_moved(result, seated)[rows]))
+        return path
+
     def revolutions(self, result: Result, rows: slice) -> float:
         """Return how often the chain has gone round in these rows, forward and back."""
-        return path_length(self.moved(result)[rows]) / self.links
+        return float(self.steps(result, rows).sum()) / self.links
 
     def positions(self, result: Result) -> Array:
         """Return where each hinge is [pitches], from 0 to `links`, (times, hinges)."""

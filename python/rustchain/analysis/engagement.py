@@ -91,7 +91,7 @@ def impacts(
     peak, impulse = (result.array(f"peak_tooth_{name}") for name in ("force", "impulse"))
     time = result.time
     circuit = Circuit.of(result.drive)
-    passed = np.append(0.0, np.cumsum(np.abs(np.diff(circuit.moved(result)))))
+    passed = np.append(0.0, np.cumsum(circuit.steps(result, slice(None))))
     engaged = _engaged_before(result)
     found, last_number = [], max(count, numbers[-1])
     for k in range(wheel.shape[1]):

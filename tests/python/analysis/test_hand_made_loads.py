@@ -421,6 +421,21 @@ def test_a_jump_takes_the_displacement_of_the_chain_back_by_a_tooth(run):
     np.testing.assert_array_equal(Circuit.of(DRIVE).moved(replace(result, jumps=None)), moved * 0)
 
 
+def test_the_path_of_a_chain_that_jumped_is_that_at_a_sprocket_without_jumps(run):
+    """Sprocket 1 slips by a tooth in four rows, its jump is counted in the middle of them."""
+    row = np.arange(10)
+    time, pitches = 0.1 * row, 0.25 * row
+    stays = contacts(10, (3, [2, 3, 4, 5], 2, 9, 1))
+    smooth = made(run, pitches, time, **stays)
+    angle = smooth.array("sprocket_angle").copy()
+    angle[:, 0] += 2 * math.pi / 17 * np.clip(0.25 * (row - 2), 0.0, 1.0)
+    jumps = np.array([time[4]]), np.array([1]), np.array([1])
+    result = replace(made(run, pitches, time, sprocket_angle=angle, **stays), jumps=jumps)
+    for each in (smooth, result):
+        assert each.hinge_loads().attrs["revolutions"] == pytest.approx(2.25 / LINKS)
+        assert list(each.engagements()["pitches"]) == pytest.approx([0.75])
+
+
 def test_pressures_are_those_of_surfaces_and_materials_in_contact(run):
     """A row of each region of a whole tooth and of each guide; forces 4 and, as peak, 9 N.
 
