@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rustchain.analysis.jumps import check_seated, jumps_within
-from rustchain.analysis.window import mean_over_time, rows_between
+from rustchain.analysis.window import first_row, mean_over_time, rows_between
 from rustchain.description.drive import PrescribedSpeed
 from rustchain.description.ends import AnchoredEnd
 from rustchain.errors import InvalidInput
@@ -140,7 +140,7 @@ def efficiency(result: Result, /, after: float = 0.0) -> float:
         The part has fewer than two rows, or the chain jumped teeth in it.
     """
     time = result.time
-    if (left := np.count_nonzero(time >= after)) < 2:
+    if (left := len(time) - first_row(time, after)) < 2:
         msg = (
             f"after = {after:g}: {left} rows there, a power needs two; the result has "
             f"{time[0]:g} to {time[-1]:g} s"

@@ -25,8 +25,7 @@ _LEVELS = ("energy_kinetic", "energy_gravity", "energy_elastic")  # all other en
 def rows_between(result: Result, start: Time, end: Time) -> slice:
     """Return the rows from `start` to `end` [s]."""
     time = result.time
-    # Times of rows are multiples of the report step to rounding.
-    first = 0 if start is None else int(np.searchsorted(time, start - _ROUNDING * abs(start)))
+    first = 0 if start is None else first_row(time, start)
     last = len(time)
     if end is not None:
         last = int(np.searchsorted(time, end + _ROUNDING * abs(end), "right"))
@@ -35,6 +34,11 @@ def rows_between(result: Result, start: Time, end: Time) -> slice:
         msg = f"start={start}, end={end}: no rows there; the result has {span}"
         raise InvalidInput(msg)
     return slice(first, last)
+
+
+def first_row(time: Array, start: float) -> int:
+    """Return the first row from `start` [s] on; times of rows are multiples to rounding."""
+    return int(np.searchsorted(time, start - _ROUNDING * abs(start)))
 
 
 def mean_over_time(time: Array, values: Array) -> Array:

@@ -14,6 +14,7 @@ from rustchain.description.drive import AppliedTorque, ChainDrive
 from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput
 from rustchain.results.result import Result
+from rustchain.sweeps.cases import check_burn_in
 from rustchain.sweeps.running import DaskClient
 from rustchain.sweeps.sweep import sweep
 
@@ -84,11 +85,7 @@ def loss_map(
             f"{len(drive.sprockets)}"
         )
         raise InvalidInput(msg)
-    if not 0.0 <= burn_in < duration:
-        msg = (
-            f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {duration:g} s"
-        )
-        raise InvalidInput(msg)
+    check_burn_in(burn_in, duration, [{}])
     if all(sprocket.side == "inside" for sprocket in drive.sprockets):  # all turn the same way
         helping = np.argwhere(np.multiply.outer(np.ravel(torques), np.ravel(speeds)) > 0.0)
         if len(helping) > 0:

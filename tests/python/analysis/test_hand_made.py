@@ -180,6 +180,14 @@ def test_two_rows_have_a_power_and_one_has_none(run):
         made.power_balance(start=0.7)
 
 
+def test_an_efficiency_counts_a_row_that_agrees_to_rounding(run):
+    time = np.array([0.0, 0.3, 0.6])
+    given = energies(time, external_work=0.6, dissipated=0.2)
+    made = powers(run, time, [7.0, -0.5, 0.0], [12.0, 1.0, 0.0], given)
+    assert 3 * 0.1 > 0.3
+    assert made.efficiency(after=3 * 0.1) == made.efficiency(after=0.3)
+
+
 @pytest.mark.parametrize("before", [0.0, 1e4])
 def test_a_drive_without_dashpots_loses_nothing_in_them(run, before):
     """Losses add up but for rounding, also where much was lost before the part."""
