@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from bisect import bisect_left
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -18,6 +20,8 @@ Key: TypeAlias = tuple[str | int, ...]
 DEEPEST = 32
 """Levels of tables and lists in a file; the deepest that a description has, the points of a tooth's
 pieces, are eight. Readers of JSON and TOML have limits of their own, all larger."""
+# Of well-formed JSON: a text, with the colon behind a key; a bracket or comma; a number or word.
+_TOKEN = re.compile(r'(?P<text>"(?:[^"\\]|\\.)*")(?P<colon>\s*:)?|[][{},]|[^][{},:"\s]+')
 _HDF5 = SIGNATURE[:8]
 """How files of results begin, streamed or not."""
 
@@ -52,7 +56,7 @@ class Source:
         try:
             text = text_of(path)
             if form == "JSON":
-                content = json.loads(text, object_pairs_hook=_table_of)
+                content, places = _read_json(text)
             else:
                 content, places = _rustchain.read_toml(text)
         except OSError as error:
@@ -106,15 +110,42 @@ class Source:
         return f"{self.path}, line {line}, column {column}"
 
 
-def _table_of(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return an object of JSON as a dict; a key that is there twice is refused, as in TOML."""
-    table = dict(pairs)
-    if len(table) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        msg = f"{shown(twice)} is there twice in one object; give it once"
-        raise ValueError(msg)
-    return table
+def _read_json(text: str) -> tuple[Any, dict[Key, tuple[int, int]]]:
+    """Return the content of JSON, and line and column of each key and item, from 1.
+
+    A key that is there twice in one object is refused, as in TOML.
+    """
+    try:
+        content = json.loads(text)
+    except json.JSONDecodeError as error:
+        msg = f"{error.msg}, at line {error.lineno}, column {error.colno}"
+        raise ValueError(msg) from error
+    places: dict[Key, tuple[int, int]] = {}
+    ends = [-1, *(found.start() for found in re.finditer("\n", text))]  # of lines
+    inside: list[str | int] = []  # the present key of each open object, the place in each open list
+    for found in _TOKEN.finditer(text):
+        token = found[0]
+        if token in "}]":
+            del inside[-1]
+        elif token == ",":
+            if isinstance(inside[-1], int):
+                inside[-1] += 1
+        else:
+            key = found["colon"] is not None
+            if key:
+                inside[-1] = json.loads(found["text"])
+            if inside and (key or isinstance(inside[-1], int)) and len(inside) <= DEEPEST:
+                line = bisect_left(ends, found.start())
+                place = line, found.start() - ends[line - 1]
+                if places.setdefault(tuple(inside), place) != place:
+                    msg = (
+                        f"{shown(inside[-1])} is there twice in one object, at line {line}, "
+                        f"column {place[1]}; give it once"
+                    )
+                    raise ValueError(msg)
+            if token in "{[":
+                inside.append("" if token == "{" else 0)
+    return content, places
 
 
 def text_of(path: Path) -> str:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import inspect
+import json
 import os
 import re
 import runpy
@@ -9,13 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 import rustchain as rc
 from rustchain.cli.app import app
 from rustchain.description.base import Description
 from rustchain.files.scene import SceneFile
-from rustchain.files.source import Source
+from rustchain.files.source import Source, _read_json
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"
@@ -561,8 +564,58 @@ def test_a_scene_without_a_duration_says_where_to_write_it(tmp_path):
 def test_a_key_of_json_that_is_there_twice_is_refused(tmp_path):
     path = tmp_path / "drive.json"
     path.write_text('{"drive": {"type": "paper_drive", "pretension": 1, "pretension": 2}}')
-    with pytest.raises(rc.InvalidInput, match="'pretension' is there twice in one object"):
+    with pytest.raises(
+        rc.InvalidInput, match="'pretension' is there twice in one object, at line 1, column 52"
+    ):
         rc.load_scene(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('{"drive": {"type": "paper_drive",\n  "pretension": }}',
+         r"is no JSON \(Expecting value, at line 2, column 17\)"),
+        ('{"drive": {"type": "paper_drive",\n  "pretension": "x",\n\n "spede": [1, {}]}}',
+         r"line 2, column 3: drive.pretension: 'x': must be a number\n.*"
+         r"line 4, column 2: drive.spede: unknown key"),
+        ('{"drive": {"type": "paper_drive"},\n "run": {\n"stop": [\n {"type": "ToothJump"},\n'
+         ' {"type": "TimeReached", "a\\\\\\":{": 1}]}}',
+         r"line 5, column 26: run.stop.2.a.*: unknown key"),
+        ('{"drive": {"type": "two_sprocket_drive", "chain": "ANSI 40", "links": 38,\n "speed": 1,'
+         '\n "teeth": [3, 17]}}',
+         r"line 3, column 2: drive: teeth = \(3, 17\): must be"),
+    ],
+)  # fmt: skip
+def test_errors_in_json_have_line_and_column(tmp_path, text, told):
+    path = tmp_path / "drive.json"
+    path.write_text(text)
+    with pytest.raises(rc.InvalidInput, match=told):
+        rc.load_scene(path)
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.floats() | st.text(),
+        lambda inside: st.lists(inside) | st.dictionaries(st.text(), inside),
+        max_leaves=20,
+    ),
+    st.sampled_from([None, 0, 2]),
+)
+def test_each_key_and_item_of_json_has_its_place(value, indent):
+    text = json.dumps({"value": value}, indent=indent)
+    content, places = _read_json(text)
+    lines = text.split("\n")
+
+    def check(found, key):
+        line, column = places[key]
+        rest = lines[line - 1][column - 1 :]
+        assert rest.startswith(json.dumps(key[-1] if isinstance(key[-1], str) else found)[:1])
+        if isinstance(found, dict | list):
+            below = found.items() if isinstance(found, dict) else enumerate(found)
+            for name, each in below:
+                check(each, (*key, name))
+
+    check(content["value"], ("value",))
 
 
 @pytest.mark.parametrize("section", ["simulation", "run"])
