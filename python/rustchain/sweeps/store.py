@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import builtins
 import errno
 import json
@@ -26,6 +27,7 @@ from rustchain.results import netcdf
 from rustchain.results.files import load_result
 from rustchain.results.result import Result
 from rustchain.results.values import equal
+from rustchain.sweeps.axes import RUN_FIELDS
 from rustchain.sweeps.case_run import Case, Looks, Measure, Outcome
 from rustchain.sweeps.cases import Axes, Parameters, cases_of
 from rustchain.sweeps.identity import digest_of
@@ -186,7 +188,8 @@ def load_sweep(store: str | Path) -> SweepResult:
 
     Nothing is run. Cases are ordered by their parameters. All combinations of two parameters or
     more have these as their axes, others are listed; `to_pandas` makes a table of both. Without a
-    measure, results are read when they are accessed.
+    measure, results are read when they are accessed. An argument of the run, such as "duration", in
+    which cases differ is a parameter of each case, unless a measured quantity has its name.
 
     Parameters
     ----------
@@ -228,7 +231,8 @@ def load_sweep(store: str | Path) -> SweepResult:
         number = errno.ENOTDIR if folder.exists() else errno.ENOENT
         msg = f"store = {shown_path(folder)}: is no folder; give the one that sweep had as store"
         raise OSError(number, msg)
-    found, others = [], []
+    found: list[tuple[Parameters, Path, bool, Outcome]] = []
+    runs, others = [], []
     for path in sorted(folder.glob("*.nc")):
         try:
             data = netcdf.read(path)
@@ -236,6 +240,7 @@ def load_sweep(store: str | Path) -> SweepResult:
             measured = "scene" not in data.attrs
             parameters = {n: _unpacked(v) for n, v in about["parameters"].items()}
             outcome = _outcome(data, about, measured)
+            runs.append({name: _value_of(about["run"][name]) for name in RUN_FIELDS})
             found.append((parameters, path, measured and about["error"] is None, outcome))
         except (InvalidInput, LookupError, TypeError, ValueError):
             others.append(path)
@@ -245,6 +250,7 @@ def load_sweep(store: str | Path) -> SweepResult:
     if not found:
         msg = f"store = {shown_path(folder)}: has no case; give a folder that sweep had as store"
         raise InvalidInput(msg)
+    _add_run_arguments(found, runs)
     found.sort(key=lambda case: _order(case[0]))
     results = [case for case in found if case[3].error is None and not case[2]]
     if results and any(case[2] for case in found):
@@ -254,6 +260,28 @@ def load_sweep(store: str | Path) -> SweepResult:
         )
         raise InvalidInput(msg)
     return _swept(found, not results)
+
+
+def _add_run_arguments(
+    found: list[tuple[Parameters, Path, bool, Outcome]], runs: list[Parameters]
+) -> None:
+    """Make each argument of the run in which the cases differ a parameter of all of them."""
+    values = [outcome.value for *_, outcome in found]
+    measured = {name for value in values if isinstance(value, Mapping) for name in value}
+    for name in RUN_FIELDS:
+        if len({run[name] for run in runs}) > 1 and name not in measured:
+            for (parameters, *_), run in zip(found, runs, strict=True):
+                parameters.setdefault(name, run[name])
+
+
+def _value_of(text: str) -> Any:  # noqa: ANN401
+    """Return an argument of a run that is stored as Python writes it, or its text."""
+    try:
+        value = plain(ast.literal_eval(text))
+        hash(value)
+    except (ValueError, SyntaxError, TypeError, RecursionError, MemoryError):  # cut, or an object
+        return text
+    return value
 
 
 def _swept(found: list[tuple[Parameters, Path, bool, Outcome]], measured: bool) -> SweepResult:

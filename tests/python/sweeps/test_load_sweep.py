@@ -17,6 +17,10 @@ def peak(result):
     return {"peak": result.peaks.tooth_force.max(), "rows": len(result.time)}
 
 
+def end(result):
+    return {"duration": result.time[-1]}
+
+
 def test_a_store_gives_the_values_of_its_sweep_back(tmp_path):
     found = rc.sweep(rc.paper_drive(), AXES, peak, store=tmp_path, **SHORT)
     again = rc.load_sweep(tmp_path)
@@ -75,6 +79,38 @@ def test_two_sweeps_share_a_store_unless_one_keeps_results(tmp_path):
     rc.sweep(rc.paper_drive(), {"speed": [10.0]}, store=tmp_path, **SHORT)
     with pytest.raises(rc.InvalidInput, match="has measured values and results"):
         rc.load_sweep(tmp_path)
+
+
+def test_arguments_of_the_run_in_which_stored_cases_differ_are_parameters(tmp_path):
+    def swept(axes, **run):
+        rc.sweep(rc.paper_drive(), axes, peak, store=tmp_path, **(SHORT | run))
+
+    swept({"speed": [10.0, 12.0]})
+    assert list(rc.load_sweep(tmp_path).to_pandas().columns) == ["speed", "peak", "rows"]
+    swept({"speed": [10.0, 12.0]}, duration=1e-3)
+    again = rc.load_sweep(tmp_path)
+    assert again.axes == {"speed": (10.0, 12.0), "duration": (1e-3, 2e-3)}
+    assert list(again.to_xarray()["rows"].sel(speed=10.0)) == [11, 21]
+    swept({"speed": [10.0], "duration": [2e-3, 3e-3]}, record=("teeth", "sprockets"))
+    table = rc.load_sweep(tmp_path).to_pandas()
+    assert list(table.columns) == ["speed", "duration", "record", "peak", "rows"]
+    assert list(table["duration"]) == [1e-3, 2e-3, 2e-3, 3e-3, 1e-3, 2e-3]
+    some = "('teeth', 'sprockets')"
+    assert list(table["record"]) == ["None", some, "None", some, "None", "None"]
+
+
+def test_a_measured_quantity_keeps_the_name_of_an_argument_of_the_run(tmp_path):
+    for duration in (1e-3, 2e-3):
+        rc.sweep(
+            rc.paper_drive(),
+            {"speed": [10.0]},
+            end,
+            store=tmp_path,
+            **(SHORT | {"duration": duration}),
+        )
+    again = rc.load_sweep(tmp_path)
+    assert list(again.to_pandas().columns) == ["speed", "duration"]
+    assert sorted(again.to_pandas()["duration"]) == pytest.approx([1e-3, 2e-3])
 
 
 def test_files_of_a_store_that_are_damaged_are_left_out_with_a_warning(tmp_path):
