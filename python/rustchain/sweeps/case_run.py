@@ -93,7 +93,7 @@ class Quiet(Simulation):
         return super()._slice()
 
 
-_OTHERS = (
+OTHERS = (
     str(Path(__file__).parents[1]),
     *(sysconfig.get_paths()[name] for name in ("stdlib", "purelib", "platlib")),
     "<frozen",
@@ -109,7 +109,7 @@ def lean(error: Exception) -> Exception:
     lines = [
         f"{_RAISED}{Path(frame.f_code.co_filename).name}, line {line}"
         for frame, line in traceback.walk_tb(error.__traceback__)
-        if not frame.f_code.co_filename.startswith(_OTHERS)
+        if not frame.f_code.co_filename.startswith(OTHERS)
         and not str(frame.f_globals.get("__name__")).startswith("rustchain.")  # made by dataclasses
     ]
     attach(error, "__notes__", [*getattr(error, "__notes__", ()), *lines[-1:]])

@@ -7,6 +7,7 @@ import functools
 import hashlib
 import json
 import pickle
+import sys
 import types
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -16,14 +17,16 @@ import numpy as np
 from rustchain.arguments import shown
 from rustchain.description.base import fields_of
 from rustchain.errors import InvalidInput
+from rustchain.sweeps.case_run import OTHERS
 
 
 def digest_of(value: object) -> str:
     """Return a hash of a value that is the same in every process, 32 hexadecimal digits.
 
     The hash of a Python function covers code, defaults and the values of a closure. It also covers
-    numbers, text, functions and classes of the same module that the code refers to, but not other
-    modules. That of an object covers its class, with the methods and values of it, too.
+    numbers, text, functions and classes that the code refers to by name or as an attribute of a
+    module. That of an object covers its class, with the methods and values of it, too. Code of
+    rustchain, Python and installed packages counts by its name.
 
     Raises
     ------
@@ -45,15 +48,23 @@ class _Seen(NamedTuple):
         Functions, classes and objects that have been hashed.
     described : bool
         Whether it is of a description, in which a whole number is the same as an integer.
+    foreign : bool
+        Whether it was reached through another module, whose objects may have no identity.
     """
 
     module: str | None
     values: list[object]
     described: bool = False
+    foreign: bool = False
 
-    def has(self, kind: type) -> bool:
-        """Return whether the code of a class counts."""
-        return self.module in (None, kind.__module__)
+    def inside(self, module: str) -> _Seen:
+        """Return the same for what a function or class of a module refers to."""
+        foreign = self.foreign or self.module not in (None, module)
+        return _Seen(module, self.values, foreign=foreign)
+
+    def has(self, code: Any) -> bool:  # noqa: ANN401
+        """Return whether the code of a function or class counts."""
+        return self.module in (None, code.__module__) or _is_of_user(code.__module__)
 
 
 def _part(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
@@ -88,7 +99,7 @@ def _code(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
     seen.values.append(value)
     if isinstance(value, functools.partial):
         if seen.module is None and isinstance(value.func, types.FunctionType):
-            seen = _Seen(value.func.__module__, seen.values)
+            seen = seen.inside(value.func.__module__)
         return ["partial", *(_part(v, seen) for v in (value.func, value.args, value.keywords))]
     if isinstance(value, types.MethodType):
         return ["method", _part(value.__func__, seen), _part(value.__self__, seen)]
@@ -124,6 +135,8 @@ def _object(value: Any, seen: _Seen) -> list[Any]:  # noqa: ANN401
     try:
         content = hashlib.sha256(pickle.dumps(value, protocol=4)).hexdigest()
     except Exception as error:  # whatever a class of the user's does
+        if seen.foreign:
+            return [kind.__module__, kind.__qualname__]
         msg = (
             f"store: {shown(value)} has no identity by which a stored case could be found "
             f"({error}); expected functions of numbers, text and arrays"
@@ -137,33 +150,50 @@ def _object(value: Any, seen: _Seen) -> list[Any]:  # noqa: ANN401
     except TypeError:  # pickle has a function of copyreg for it
         return parts
     state = reduced[2] if isinstance(reduced, tuple) and len(reduced) > 2 else None
-    inside = _Seen(kind.__module__, seen.values)
+    inside = seen.inside(kind.__module__)
     return [*parts, _part(kind, inside), _part(state, inside)]
 
 
 def _function(function: types.FunctionType, seen: _Seen) -> list[Any]:
     """Return name, code, defaults, closure, and what the code refers to."""
-    inside = _Seen(function.__module__, seen.values)
+    inside = seen.inside(function.__module__)
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    known = {
-        name: function.__globals__[name]
-        for name in sorted(_names(function.__code__))
-        if name in function.__globals__
-    }
-    of_module = {
+    counting = {
         name: value
-        for name, value in known.items()
+        for name, value in _referred(function).items()
         if not (isinstance(value, types.FunctionType | type) or hasattr(value, "__wrapped__"))
-        or value.__module__ == function.__module__
+        or inside.has(value)
     }
     module = "" if function.__module__ == "__main__" else function.__module__
-    parts = (function.__code__, function.__defaults__, function.__kwdefaults__, cells, of_module)
+    parts = (function.__code__, function.__defaults__, function.__kwdefaults__, cells, counting)
     return [module, function.__qualname__, *(_part(each, inside) for each in parts)]
+
+
+def _referred(function: types.FunctionType) -> dict[str, Any]:
+    """Return what code refers to: globals, and what it may read from the user's modules."""
+    names = sorted(_names(function.__code__))
+    found = {name: function.__globals__[name] for name in names if name in function.__globals__}
+    opened: list[types.ModuleType] = []
+    waiting = list(found.items())
+    for path, module in waiting:
+        if isinstance(module, types.ModuleType) and module not in opened:
+            opened.append(module)
+            if _is_of_user(module.__name__):
+                inside = {f"{path}.{n}": vars(module)[n] for n in names if n in vars(module)}
+                found |= inside
+                waiting += inside.items()
+    return found
+
+
+def _is_of_user(module: str) -> bool:
+    """Return whether a module lies neither in rustchain or Python nor in an installed package."""
+    file = getattr(sys.modules.get(module), "__file__", None)
+    return isinstance(file, str) and not file.startswith(OTHERS)
 
 
 def _class(kind: type, seen: _Seen) -> list[Any]:
     """Return the names of a class and its bases, and what those of its module hold."""
-    inside = _Seen(kind.__module__, seen.values)
+    inside = seen.inside(kind.__module__)
     return [
         [each.__qualname__, _members(each, inside) if inside.has(each) else each.__module__]
         for each in kind.__mro__

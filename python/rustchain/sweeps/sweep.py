@@ -109,9 +109,9 @@ def sweep(
         A folder with the result of each case, failed ones too, in a netCDF file each. Stored cases
         of the same scene, run, stop conditions and functions, by the same version of rustchain, are
         not run again: an interrupted sweep continues. Several sweeps may use a folder at once. Of
-        functions, code and the numbers, functions and classes of their module that it refers to
-        count, not what other modules do. What is measured must then be numbers, arrays, or a dict
-        of them; without `measure`, results are read from the folder when they are accessed.
+        functions, code and the numbers, functions and classes that it refers to count, but not the
+        code of installed packages. What is measured must then be numbers, arrays, or a dict of
+        them; without `measure`, results are read from the folder when they are accessed.
         `load_sweep` reads all cases of a folder.
     retry : bool
         Whether cases that are stored as failed are run again.

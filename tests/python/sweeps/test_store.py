@@ -1,6 +1,7 @@
 """The store of a sweep: nothing runs twice, all that changes a case makes it another one."""
 
 import functools
+import importlib
 import os
 import subprocess
 import sys
@@ -400,6 +401,65 @@ def test_classes_and_helpers_of_the_module_of_a_measure_count(name, old, new, mo
     base = digest(OF_CLASSES)
     assert digest(OF_CLASSES) == base
     assert digest(OF_CLASSES.replace(old, new)) != base
+
+
+HELPERS = """
+import threading
+
+lock = threading.Lock()
+factor = 2.0
+
+def peak(result):
+    with lock:
+        return result * factor
+
+class Base:
+    def __call__(self, result):
+        return self.one(result)
+"""
+OF_HELPERS = [
+    ("from of_helpers import peak\ndef measure(r): return peak(r)", "result * factor"),
+    ("import of_helpers\ndef measure(r): return of_helpers.peak(r)", "factor = 2.0"),
+    ("import of_helpers\ndef measure(r): return [of_helpers.factor for _ in r]", "factor = 2.0"),
+    ("import of_helpers as h\ndef inner(r): return h.peak(r)\nmeasure = lambda r: inner(r)", "2.0"),
+    ("from of_helpers import Base\nclass Of(Base): one = abs\nmeasure = Of()", "self.one(result)"),
+    ("from of_helpers import Base\ndef measure(r): return Base()(r)", "self.one(result)"),
+]
+
+
+@pytest.mark.parametrize(("text", "old"), OF_HELPERS)
+def test_code_of_the_users_other_modules_counts(text, old, tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def digest(helpers):
+        (tmp_path / "of_helpers.py").write_text(helpers)
+        for name in ("of_helpers", "of_measure"):
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        importlib.invalidate_caches()
+        measures = types.ModuleType("of_measure")
+        monkeypatch.setitem(sys.modules, "of_measure", measures)
+        exec(text, vars(measures))
+        return digest_of(measures.measure)
+
+    base = digest(HELPERS)
+    assert digest(HELPERS + "other = 3") == base
+    assert digest(HELPERS.replace(old, old.replace("2.0", "3.0") + " + 1")) != base
+
+
+def test_code_of_installed_packages_counts_by_its_name(monkeypatch):
+    def peak(result):
+        return result
+
+    def other(result):
+        return result + 1
+
+    found = []
+    for each in (peak, other):
+        each.__module__, each.__qualname__ = "numpy", "peak"
+        space = {"peak": each, "np": np, "__name__": "somewhere"}
+        exec("def measure(r): return np.median(peak(r))", space)
+        found.append(digest_of(space["measure"]))
+    assert found[0] == found[1]
 
 
 def test_an_identity_is_that_of_every_process():
