@@ -14,7 +14,7 @@ _Result = TypeVar("_Result")
 
 # What PyO3 raises, as RuntimeError, when a thread uses an object that another one changes.
 _BORROWED = ("Already borrowed", "Already mutably borrowed")
-_IN_USE = (
+IN_USE = (
     "the simulation is in use by another thread; make a Simulation of the scene for each thread"
 )
 
@@ -51,7 +51,7 @@ def guarded(function: Callable[..., _Result]) -> Callable[..., _Result]:
         except BaseException as error:
             if type(error) is RuntimeError and str(error) in _BORROWED and not _called_back():
                 kind = type(_rustchain.panicked("", None))  # SimulationError, of a module above
-                raise kind(_IN_USE) from None
+                raise kind(IN_USE) from None
             if type(error).__name__ != _PANIC:
                 raise
             time = getattr(args[0], "time", None) if args else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,8 +16,15 @@ from rustchain.caller import warn_caller
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.description.report import DriveReport
 from rustchain.description.scene import OfScene, Scene
-from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, ToothJumpWarning
+from rustchain.errors import (
+    EnergyWarning,
+    InvalidInput,
+    RangeWarning,
+    SimulationError,
+    ToothJumpWarning,
+)
 from rustchain.names import known_keywords
+from rustchain.panics import IN_USE
 from rustchain.results import state_file
 from rustchain.simulation.core import core_of, start_of
 from rustchain.simulation.evaluation import Evaluation
@@ -32,7 +40,7 @@ class Present(OfScene):
     rest: dict[str, float] | None = None
 
     _core: _rustchain.Core
-    _running = False
+    _runner: int | None = None  # the thread of a run that is under way
 
     def __repr__(self) -> str:
         """Return the scene's name and the time."""
@@ -216,13 +224,15 @@ class Present(OfScene):
                 warn_caller(message, category)
 
     def _check_idle(self, wanted: str) -> None:
-        """Raise where a callback moves the simulation that has called it."""
-        if self._running:
-            msg = (
-                f"{wanted}: a run is under way; a callback may look at the simulation, but not "
-                "move it"
-            )
-            raise InvalidInput(msg)
+        """Raise where a callback or another thread moves a simulation that runs."""
+        if self._runner is None:
+            return
+        if self._runner != threading.get_ident():
+            raise SimulationError(IN_USE)
+        msg = (
+            f"{wanted}: a run is under way; a callback may look at the simulation, but not move it"
+        )
+        raise InvalidInput(msg)
 
 
 def _copied(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -299,14 +300,14 @@ class Simulation(Present):
         piece = rows_of_a_piece(out, memory, numbers)
         recording = Recording(self, (self.positions, self.velocities), self._core.stats())
         self._core.start_recording(duration, report_step, groups, energy)
-        self._running = True
+        self._runner = threading.get_ident()
         try:
             if out is not None:
                 rows = int(duration / report_step) + 2  # a chunk takes its whole size in the file
                 recording.stream_to(out, piece._replace(chunk=min(piece.chunk, rows)))
             return recording.run(duration, progress, looks)
         finally:
-            self._running = False
+            self._runner = None
             self._core.take_recording()  # whatever else ended the run
             self._warn()
 

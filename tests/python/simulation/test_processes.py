@@ -57,3 +57,23 @@ def test_a_simulation_in_use_by_another_thread_is_refused_and_that_thread_contin
             _ = simulation.time
     thread.join()
     assert simulation.time == pytest.approx(0.1)
+
+
+def test_a_run_under_way_in_another_thread_is_told_as_such_and_goes_on():
+    simulation, under_way, told = rc.Simulation(SCENE), threading.Event(), threading.Event()
+
+    def wait(_):
+        under_way.set()
+        told.wait(60.0)
+
+    with ThreadPoolExecutor(1) as pool:
+        running = pool.submit(simulation.run, 1e-3, progress=False, callback=wait)
+        under_way.wait()
+        try:
+            for move in (lambda: simulation.run(1e-3), lambda: simulation.step_to(1.0)):
+                with pytest.raises(rc.SimulationError, match="in use by another thread; make a"):
+                    move()
+        finally:
+            told.set()
+        assert running.result().success
+    simulation.step_to(2e-3)
