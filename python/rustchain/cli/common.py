@@ -92,7 +92,7 @@ class Output:
 
     @property
     def progress(self) -> bool:
-        """Return whether a progress bar is shown, if there is a terminal."""
+        """Return whether progress is shown: a bar, or lines where there is no terminal."""
         return not self.quiet
 
 

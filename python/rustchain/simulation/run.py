@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import sys
+import time
 from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -31,6 +33,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
 
 _MOST_GROUPS = 100  # far more than there are; what has more may have no end
 _MOST_ROWS = 1e9  # more are refused whatever they hold
+_BETWEEN_LINES = 30.0  # [s] of wall time, so that a run of a minute has one line, one of days 100
 WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
 
@@ -128,8 +131,8 @@ class Bar(Protocol):
 class _NoBar:
     """Progress counter where no bar is shown."""
 
-    n = 0.0
-    total = 0.0
+    def __init__(self, total: float = 0.0) -> None:
+        self.n, self.total = 0.0, total
 
     def update(self, n: float) -> None:
         """Count on."""
@@ -139,11 +142,40 @@ class _NoBar:
         """Do nothing."""
 
 
+class _Lines(_NoBar):
+    """Progress as lines on the standard error, where no terminal shows a bar."""
+
+    def __init__(self, total: float, description: str | None) -> None:
+        super().__init__(total)
+        self._description = description or "run"
+        self._start = self._written = time.monotonic()
+        self._counted = 0.0
+
+    def update(self, n: float) -> None:
+        """Count on; write a line where enough time has passed and enough is done."""
+        super().update(n)
+        now = time.monotonic()
+        if now - self._written < _BETWEEN_LINES or self.n - self._counted < 0.01 * self.total:
+            return
+        self._written, self._counted = now, self.n
+        share = f" ({self.n / self.total:.0%})" if self.total > 0.0 else ""
+        line = (
+            f"{self._description}: {self.n:.4f} of {self.total:.4f} s simulated{share} "
+            f"in {now - self._start:.0f} s"
+        )
+        with suppress(OSError, ValueError):  # closed by whoever read it
+            print(line, file=sys.stderr, flush=True)
+
+    def set_description(self, desc: str) -> None:
+        """Name what is under way."""
+        self._description = desc
+
+
 @contextmanager
 def seconds_bar(total: float, progress: bool, description: str | None = None) -> Iterator[Bar]:
     """Give a bar of simulated seconds [s], and log start and end of the run or sweep.
 
-    A notebook shows a widget. Without tqdm there is no bar.
+    A notebook shows a widget. Without a terminal or without tqdm there are lines.
     """
     what = "run" if description is None else "sweep"
     log.info("%s of %.6g s starts", what, total)
@@ -157,13 +189,14 @@ def seconds_bar(total: float, progress: bool, description: str | None = None) ->
 
 
 def _bar(total: float, description: str | None) -> AbstractContextManager[Bar]:
-    """Return a progress bar, where tqdm is installed and a terminal or a notebook shows it."""
+    """Return a progress bar, or lines where there is no tqdm or neither terminal nor notebook."""
+    if sys.stderr is None:  # of a program without a console
+        return nullcontext(_NoBar(total))
+    lines = nullcontext(_Lines(total, description))
     try:
         tqdm = extras.auto.tqdm
     except MissingExtra:
-        return nullcontext(_NoBar())
+        return lines
     form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s simulated [{elapsed}<{remaining}, {rate_noinv_fmt}]"
-    bar: AbstractContextManager[Bar] = tqdm(
-        desc=description, total=total, unit=" s", bar_format=form, disable=None
-    )
-    return bar
+    bar = tqdm(desc=description, total=total, unit=" s", bar_format=form, disable=None)
+    return lines if bar.disable else bar

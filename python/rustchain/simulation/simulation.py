@@ -240,7 +240,8 @@ class Simulation(Present):
             takes 1.1 to 1.3 times the time of its steps. Without it there is no `EnergyWarning`;
             the path is the same to the last bit.
         progress : bool
-            Whether to show a progress bar, where a terminal is there to show it.
+            Whether to show a progress bar. Without a terminal, lines on the standard error tell the
+            progress: one in 30 s at most, and one for each hundredth at most.
         stop : StopCondition or sequence of them
             Ends the run, with status "stopped", at the first row at which one holds:
             `HingeForceAbove`, `ToothForceAbove`, `StrandSlack`, `ToothJump`, `TimeReached`; of

@@ -116,7 +116,8 @@ def sweep(
     retry : bool
         Whether cases that are stored as failed are run again.
     progress : bool
-        Whether to show a progress bar, where a terminal is there to show it.
+        Whether to show a progress bar. Without a terminal, lines on the standard error tell the
+        progress: one in 30 s at most, and one for each hundredth at most.
 
     Returns
     -------

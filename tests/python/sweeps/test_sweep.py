@@ -632,6 +632,8 @@ def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
     bars = []
 
     class Bar:
+        disable = False
+
         def __init__(self, **keywords):
             self.n, self.keywords, self.said = 0.0, keywords, []
             bars.append(self)
@@ -658,6 +660,24 @@ def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
     assert shown.keywords["desc"] == "0 of 2 cases"
     assert shown.said == ["1 of 2 cases", "2 of 2 cases"]
     assert shown.keywords["disable"] is None  # where there is no terminal
+
+
+def test_without_a_terminal_progress_is_lines_now_and_then(monkeypatch, capsys):
+    rc.Simulation(PAPER).run(1e-3)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("rustchain.simulation.run._BETWEEN_LINES", 0.0)
+    rc.Simulation(PAPER).run(1e-3, callback=lambda _: None)
+    lines = capsys.readouterr().err.splitlines()
+    assert 2 <= len(lines) <= 11
+    assert lines[0] == "run: 0.0001 of 0.0010 s simulated (10%) in 0 s"
+    rc.Simulation(PAPER).run(1e-3, 1e-6, callback=lambda _: None)
+    assert 50 < len(capsys.readouterr().err.splitlines()) <= 100
+    rc.sweep(PAPER, {"speed": [5.0, 6.0]}, duration=1e-3, callback=lambda _: None, threads=1)
+    assert capsys.readouterr().err.splitlines()[-1].startswith("1 of 2 cases: 0.0020 of 0.0020 s")
+    rc.Simulation(PAPER).run(1e-3, progress=False)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("sys.stderr", None)
+    assert rc.Simulation(PAPER).run(1e-3).success
 
 
 def test_the_start_is_a_parameter_and_cases_begin_there():
