@@ -38,19 +38,22 @@ class LoadFigures(Figures):
             for shift in (0, circuit.links):
                 axes.axvspan(section.begin + shift, section.end + shift, color=GREY, alpha=0.12)
         middles = [0.5 * (each.begin + each.end) % circuit.links for each in circuit.sections]
-        written = 0.0  # where the last name of the upper line ends
+        fitting = 18.0 * axes.bbox.width / figure.dpi  # characters in the width
+        lines: list[float] = []  # where the last name of each line ends
         for middle, section in sorted(
             zip(middles, circuit.sections, strict=True), key=lambda each: each[0]
         ):
-            # A name of 110 characters would take the whole width.
-            half = 0.5 * len(section.name) * circuit.links / 110.0
-            upper = middle - half >= written
-            written = middle + half if upper else written
+            half = 0.5 * len(section.name) / fitting * circuit.links
+            x = min(max(middle, half), circuit.links - half)
+            line = next((k for k, end in enumerate(lines) if end <= x - half), len(lines))
+            lines[line : line + 1] = [x + half]
             axes.text(
-                middle, 0.99 if upper else 0.93, section.name, ha="center", va="top",
+                x, 0.99 - 0.06 * line, section.name, ha="center", va="top",
                 fontsize=7.5, color=GREY, transform=axes.get_xaxis_transform(),
             )  # fmt: skip
-        axes.set(xlim=(0.0, circuit.links), ylim=(0.0, None))
+        most = float(found["largest"].max())
+        top = most / (0.98 - 0.06 * len(lines)) if most > 0.0 else None  # below the names
+        axes.set(xlim=(0.0, circuit.links), ylim=(0.0, top))
         axes.set(xlabel="position along the chain path [pitches]", ylabel="hinge force [N]")
         legend_above(axes)
         return figure

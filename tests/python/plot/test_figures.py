@@ -125,6 +125,25 @@ def test_other_axes_than_the_figure_has_panels_are_refused(ax):
         RESULT.plot.orbit(6, 11, ax=Figure().subplots())
 
 
+@pytest.mark.parametrize("width", [7.0, 4.5])
+@pytest.mark.parametrize("links", [38, 114, 400])
+def test_names_along_a_chain_of_any_length_touch_neither_each_other_nor_the_curve(links, width):
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 17), links=links, speed=25.0)
+    result = rc.Simulation(drive).run(2e-3, record=("hinges", "sprockets"), progress=False)
+    figure = Figure(figsize=(width, 3.2))
+    axes = figure.add_subplot()
+    result.plot.hinge_loads(ax=axes)
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) == 4
+    for k, box in enumerate(boxes):
+        assert axes.bbox.x0 <= box.x0 < box.x1 <= axes.bbox.x1
+        assert not any(box.overlaps(other) for other in boxes[:k])
+    largest = max(np.nanmax(line.get_ydata()) for line in axes.lines)
+    top = axes.transData.transform((0.0, largest))[1]
+    assert top <= min(box.y0 for box in boxes)
+
+
 def test_an_orbit_shows_the_whole_path_of_every_pin():
     """A pin may go far beyond the clearance; both panels have one scale."""
     clearance = RESULT.drive.chain.hinge.clearance
