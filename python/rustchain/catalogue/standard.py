@@ -247,7 +247,7 @@ def catalogue_chain(
     """
     size, named = _size(name)
     if strands is not None and named not in (None, strands):
-        msg = f"strands = {strands}: the name {name!r} says {named}; leave one of them"
+        msg = f"strands = {strands}: the name {name!r} says {named}; give one of them"
         raise InvalidInput(msg)
     admitted("plates", plates, Stretch)
     inner, outer = size.links()

@@ -123,8 +123,10 @@ class Reader:
         for name, value in self.entries(content, fields, ()):
             if name in sections():
                 value = self.section(name, value)
-            else:
+            elif isinstance(value, Mapping):
                 value = self.value(value, _SYSTEMS[name], (name,))
+            else:
+                value = self.refuse((name,), f"{shown(value)}: must be a table")
             found[name] = value
         self.check()
         return {"scene": self._scene(found), "run": found["run"]}

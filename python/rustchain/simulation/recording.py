@@ -26,7 +26,7 @@ _BETWEEN_PIECES = 2.0  # [s] of wall time; with twice as many, a killed process 
 
 
 class Piece(NamedTuple):
-    """Return the number of rows that are written to a file at once.
+    """Numbers of rows that are written to a file at once.
 
     Attributes
     ----------

@@ -284,7 +284,7 @@ class _Sweep:
             found.values[number] = outcome.value
 
     def tell(self, bar: Bar) -> None:
-        """Return a text with the numbers of cases and of failed cases."""
+        """Show how many cases have ended and how many have failed."""
         done, failed = len(self.found._ended), len(self.found.errors)
         text = f"{done + failed} of {len(self.found.cases)} cases"
         bar.set_description(f"{text}, {failed} failed" if failed else text)

@@ -618,6 +618,14 @@ def test_each_key_and_item_of_json_has_its_place(value, indent):
     check(content["value"], ("value",))
 
 
+@pytest.mark.parametrize("key", ["drive", "mechanism"])
+@pytest.mark.parametrize("value", ["3", '"paper"', '[{type = "paper_drive"}]'])
+def test_a_drive_or_mechanism_that_is_no_table_is_refused_at_its_place(tmp_path, key, value):
+    path = written(tmp_path, f"# a file\n{key} = {value}\n")
+    with pytest.raises(rc.InvalidInput, match=rf"line 2, column 1: {key}: .*: must be a table"):
+        rc.load_scene(path)
+
+
 @pytest.mark.parametrize("section", ["simulation", "run"])
 def test_a_type_of_a_table_that_has_none_is_an_unknown_key(tmp_path, section):
     path = written(tmp_path, f'[drive]\ntype = "paper_drive"\n[{section}]\ntype = "Scene"\n')
