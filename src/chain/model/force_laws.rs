@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::bristles::BristlePlaces;
-use super::compile::Coordinates;
+use super::coordinates::Coordinates;
 use crate::error::{Error, Result, check};
 use crate::force_law::{Film, ForceLaw, Friction, LuGre};
 

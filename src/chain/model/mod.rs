@@ -2,6 +2,7 @@
 
 mod bristles;
 mod compile;
+mod coordinates;
 mod ends;
 mod force_laws;
 mod guide;
@@ -9,6 +10,7 @@ mod input;
 mod rail;
 mod range_notes;
 mod sprocket;
+mod surface_pairs;
 
 pub use bristles::BristlePlaces;
 pub(crate) use ends::IMMOVABLE;

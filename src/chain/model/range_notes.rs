@@ -2,8 +2,8 @@
 
 use super::ForceLaws;
 use super::bristles::bristle_warnings;
-use super::compile::SurfacePairs;
 use super::sprocket::SprocketModel;
+use super::surface_pairs::SurfacePairs;
 use crate::drive::{Drive, HingeKind};
 use crate::force_law::{Elastic, SurfacePair, range_note};
 

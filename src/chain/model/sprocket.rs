@@ -1,6 +1,6 @@
 //! Sprockets and guides of a compiled model: teeth, inertias, support of the centre and law of the rotation.
 
-use super::compile::Coordinates;
+use super::coordinates::Coordinates;
 use super::guide::{Guide, Ratchet};
 use crate::drive::{Bearing, Drive, InputBounds, STOP_STIFFNESS, Sprocket, SprocketMotion};
 use crate::error::Result;

@@ -15,9 +15,9 @@
 
 use pulp::Simd;
 
-use super::ring::{HingeBlocks, hinge_vectors};
+use super::ring::{BASE, HingeBlocks, hinge_vectors};
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
-use crate::math::simd::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
+use crate::math::simd::{Lanes, Numbers, padded_zeros, parts, read, vectors_mut};
 
 /// Return α and η of vector `part` of these contacts.
 #[inline(always)]
@@ -35,9 +35,6 @@ pub(super) fn scaled<S: Simd>(
         gamma_squared * turn,
     ]
 }
-
-/// Entry of hinge 0 in arrays with a copy of the last hinge before it.
-pub(super) const BASE: usize = WIDTH;
 
 /// Lower bound of α \[kg\]. It limits the compliance of a contact at its onset.
 pub(super) const LEAST: f64 = 1e-20;

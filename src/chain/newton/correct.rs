@@ -3,9 +3,9 @@
 use pulp::{Simd, WithSimd};
 
 use super::NewtonMatrix;
-use super::contacts::BASE;
 use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
+use super::ring::BASE;
 use crate::chain::model::Model;
 use crate::math::simd::{
     EntriesMut, Lanes, Numbers, Pack8, PartialSums, parts, put_part, read, write,

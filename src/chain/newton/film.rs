@@ -6,8 +6,8 @@
 
 use pulp::Simd;
 
-use super::contacts::{BASE, FrictionArms, LEAST, LEAST_SHARE, LoadedHinges, scaled};
-use super::ring::{HingeBlocks, hinge_vectors};
+use super::contacts::{FrictionArms, LEAST, LEAST_SHARE, LoadedHinges, scaled};
+use super::ring::{BASE, HingeBlocks, hinge_vectors};
 use crate::chain::arrays::slopes::{ContactSlopes, FilmGroup};
 use crate::math::simd::{Lanes, parts, read, vectors_mut};
 

@@ -2,8 +2,9 @@
 
 use pulp::Simd;
 
-use super::contacts::{BASE, FrictionArms, LoadedHinges};
+use super::contacts::{FrictionArms, LoadedHinges};
 use super::link_ends::HingeCoupling;
+use super::ring::BASE;
 use super::spatial::Spatial;
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;

@@ -7,9 +7,9 @@
 
 use pulp::Simd;
 
-use super::contacts::{BASE, LoadedHinges};
+use super::contacts::LoadedHinges;
 use super::link_group::{Bushings, LinkGroup, LinkRows, Linked};
-use super::ring::{BEFORE, HingeBlocks, hinge_numbers, hinge_vectors, put_rows};
+use super::ring::{BASE, BEFORE, HingeBlocks, hinge_numbers, hinge_vectors, put_rows};
 use super::teeth::ToothTerms;
 use crate::chain::arrays::slopes::group_of;
 use crate::chain::model::Model;

@@ -29,13 +29,13 @@ mod tooth_motion;
 use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
-use contacts::{BASE, FrictionArms, LoadedHinges, assemble_compliance, assemble_ideal};
+use contacts::{FrictionArms, LoadedHinges, assemble_compliance, assemble_ideal};
 use correct::Correct;
 use film::assemble_film_compliance;
 use link_group::{LinkGroup, Linked};
 use links::{Border, LinkTerms, RightHand};
 use power_change::{CorrectedEnds, PowerChange};
-use ring::{HingeBlocks, Ring, hinge_numbers};
+use ring::{BASE, HingeBlocks, Ring, hinge_numbers};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};
 

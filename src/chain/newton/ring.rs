@@ -11,12 +11,14 @@ mod solve;
 use pulp::Simd;
 
 use super::blocks::{Block, Symmetric, from_left, from_right};
-use super::contacts::BASE;
 use crate::math::dense::Dense;
 use crate::math::simd::{
     Lanes, Mask, Numbers, Pack8, WIDTH, lane_numbers, load, no_lane, padded, padded_zeros, parts,
     transposed, vectors, vectors_mut, write,
 };
+
+/// Entry of hinge 0 in arrays with a copy of the last hinge before it.
+pub(super) const BASE: usize = WIDTH;
 
 /// Blocks of all hinges.
 #[derive(Debug, Clone)]

@@ -11,8 +11,8 @@ use pulp::Simd;
 
 use super::border::Corner;
 use super::bores::{BoreFriction, bore};
-use super::contacts::BASE;
 use super::links::{Border, LinkTerms};
+use super::ring::BASE;
 use super::roller_group::{OnTeeth, RollerGroup, RollerResidual};
 use super::teeth::ToothTerms;
 use crate::chain::arrays::slopes::ContactSlopes;

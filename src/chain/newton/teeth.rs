@@ -4,7 +4,8 @@
 use pulp::Simd;
 
 use super::border::Corner;
-use super::contacts::{BASE, scaled};
+use super::contacts::scaled;
+use super::ring::BASE;
 use super::tooth_motion::{BorderMotion, MOST, ToothMotion};
 use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};

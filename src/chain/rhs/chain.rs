@@ -15,8 +15,7 @@ use crate::math::simd::{
 use ends::{Arms, LinkEnd, Links, behind_last, last_links};
 use hinges::Hinges;
 
-pub(crate) use hinges::Joints;
-pub(crate) use losses::{HingeFriction, Lubricant};
+pub(crate) use hinges::{HingeFriction, Joints, Lubricant};
 pub(crate) use rollers::{EvaluateRollers, Rollers};
 
 /// Results of the chain's loop besides its forces.

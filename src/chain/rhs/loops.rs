@@ -4,8 +4,8 @@ use super::bristles::{BristleState, Bristling, ContactKind};
 use super::chain::{
     ChainFound, EvaluateHinges, EvaluateRollers, HingeFriction, Joints, Lubricant, RepeatBushings,
 };
-use super::gap::{GapForm, ToothConstants};
 use super::teeth::{EvaluateTeeth, TeethFound, ToothFriction};
+use super::tooth_constants::{GapForm, ToothConstants};
 use super::{Kernels, on_teeth};
 use crate::chain::arrays::slopes::Slopes;
 use crate::chain::contact::ImpactMemory;

@@ -21,15 +21,16 @@ mod loops;
 mod readout;
 mod surface_table;
 mod teeth;
+mod tooth_constants;
 
 use crate::chain::arrays::layout::{ChainArrays, LinkConstants};
 use crate::chain::arrays::pose::SprocketPose;
 use bristles::{BristleState, ContactKind};
 use chain::Rollers;
 pub(crate) use event_screening::EventScreening;
-use gap::ToothConstants;
 use ideal_hinges::IdealHinges;
 pub(crate) use readout::ToothReadings;
+use tooth_constants::ToothConstants;
 
 use crate::chain::contact::{Candidates, ImpactMemory, Seated};
 use crate::chain::loads::{SprocketLoad, outside_powers};

@@ -5,7 +5,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::gap::{Gap, GapConstants, GapForm};
+use super::gap::{Gap, GapConstants};
+use super::tooth_constants::GapForm;
 use super::{Kernels, on_teeth};
 use crate::chain::arrays::layout::ChainArrays;
 use crate::chain::arrays::pose::SprocketPose;

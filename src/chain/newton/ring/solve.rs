@@ -3,8 +3,7 @@
 use pulp::Simd;
 
 use super::super::blocks::{Block, Symmetric, Vector, from_left, from_right};
-use super::super::contacts::BASE;
-use super::{Ring, Round, gather};
+use super::{BASE, Ring, Round, gather};
 use crate::math::dense::Dense;
 use crate::math::simd::{Lanes, Numbers, WIDTH, parts, transposed, vectors_mut, write};
 

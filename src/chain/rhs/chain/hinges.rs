@@ -5,18 +5,31 @@ use pulp::Simd;
 
 use super::ChainFound;
 use super::ends::LinkEnd;
-use super::losses::{HingeFriction, Lubricant};
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::arrays::slopes::{ContactSlopes, FilmGroup, FrictionGroup, SlopeGroup, group_of};
 use crate::chain::rhs::bristles::{BristleLanes, Bristling};
 use crate::force_law::{
-    ContactLane, ElasticLaw, FilmLaw, Form, RegularizedFriction, RestitutionDamping,
-    depth_in_series,
+    ContactLane, ElasticLaw, FilmLaw, Form, Friction, HingeFilm, RegularizedFriction,
+    RestitutionDamping, depth_in_series,
 };
 use crate::math::simd::{
     Lanes, Mask, Numbers, PartialSums, both, both_mut, load, no_lane, splat_two, vectors,
     vectors_mut,
 };
+
+/// Friction in hinges.
+#[derive(Clone, Copy)]
+pub(crate) struct HingeFriction<'a> {
+    pub(crate) law: &'a Friction,
+    pub(crate) pin_radius: f64,
+}
+
+/// Lubricant in hinges.
+pub(crate) struct Lubricant<'a> {
+    pub(crate) film: &'a HingeFilm,
+    /// Output for its slopes, if requested.
+    pub(crate) slopes: Option<&'a mut [FilmGroup]>,
+}
 
 /// Input for all hinges of one loop.
 pub(crate) struct Joints<'a> {

@@ -4,23 +4,9 @@ use pulp::Simd;
 
 use super::ends::LinkEnd;
 use super::hinges::Hinges;
-use crate::chain::arrays::slopes::{FilmGroup, group_of};
-use crate::force_law::{FilmForce, Friction, HingeFilm};
+use crate::chain::arrays::slopes::group_of;
+use crate::force_law::FilmForce;
 use crate::math::simd::{Lanes, load, write};
-
-/// Friction in hinges.
-#[derive(Clone, Copy)]
-pub(crate) struct HingeFriction<'a> {
-    pub(crate) law: &'a Friction,
-    pub(crate) pin_radius: f64,
-}
-
-/// Lubricant in hinges.
-pub(crate) struct Lubricant<'a> {
-    pub(crate) film: &'a HingeFilm,
-    /// Output for its slopes, if requested.
-    pub(crate) slopes: Option<&'a mut [FilmGroup]>,
-}
 
 impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, const EXTRA: bool>
     Hinges<'_, S, DAMPED, FRICTION, BRISTLED, EXTRA>
