@@ -1,5 +1,6 @@
 //! Closing of the chain: number of links from the centres, or a centre from the number of links.
 
+use super::fit::even_links;
 use super::many_sprockets::{Around, shifts};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
@@ -16,8 +17,6 @@ const FIRST_SECANT_STEP: f64 = 0.01;
 const MOST_SECANT_STEPS: u32 = 60;
 /// Difference of slack below which a secant has no slope \[m\]: a quotient by zero.
 const LEAST_DIFFERENCE: f64 = 1e-300;
-/// Part of two links by which a belt line may be longer than an even number of links; a longer one takes two links more.
-const MISSING_PART_OF_TWO: f64 = 0.05;
 
 /// Return the displacement of sprocket `moved` along `direction` at which the drive's chain is taut \[m\],
 /// within `reach` \[m\] in both directions.
@@ -128,13 +127,6 @@ fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -
 /// When no belt line exists.
 pub fn links_around(drive: &Drive) -> Result<u32> {
     Ok(Around::new(drive)?.links_that_close())
-}
-
-/// Return the smallest even number of links not below `pitches`, except for [`MISSING_PART_OF_TWO`].
-#[must_use]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
-pub(super) fn even_links(pitches: f64) -> u32 {
-    2 * (0.5 * pitches - MISSING_PART_OF_TWO).ceil().max(2.0) as u32
 }
 
 /// Return the centre distance \[m\] of a taut chain of `links` on two sprockets, its hinges on the pitch circles.

@@ -2,11 +2,13 @@
 
 use std::f64::consts::PI;
 
-use super::report::LARGEST_STRETCH;
+use super::laid_chain::LARGEST_STRETCH;
 use crate::drive::Chain;
 use crate::geometry::Vec2;
 use crate::geometry::path::polygon::bow_angle;
 
+/// Part of two links by which a belt line may be longer than an even number of links; a longer one takes two links more.
+const MISSING_PART_OF_TWO: f64 = 0.05;
 /// Largest angle at the ends of a slack strand's bow \[rad\]: nearly vertical ends.
 const LARGEST_BOW: f64 = 0.45 * PI;
 /// Share of the hinge clearance below which a stretched chain counts as taut.
@@ -175,6 +177,13 @@ fn solve_ring(beside: &[f64], mut right: Vec<f64>) -> Option<Vec<f64>> {
         .map(|(r, c)| r - share * c)
         .collect();
     solution.iter().all(|x| x.is_finite()).then_some(solution)
+}
+
+/// Return the smallest even number of links not below `pitches`, except for [`MISSING_PART_OF_TWO`].
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
+pub(super) fn even_links(pitches: f64) -> u32 {
+    2 * (0.5 * pitches - MISSING_PART_OF_TWO).ceil().max(2.0) as u32
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Initial configuration of guides: clear of the laid chain, with arms rotated back as far as needed.
 
-use super::initial::InitialConfiguration;
-use super::laid_chain::Lie;
-use super::report::{GuidePlacement, Layout, START_GAPS};
+use super::configuration::InitialConfiguration;
+use super::laid_chain::{Lie, START_GAPS};
+use super::report::{GuidePlacement, Layout};
 use crate::drive::{Drive, Mount, Rail};
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;

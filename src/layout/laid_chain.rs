@@ -1,11 +1,15 @@
 //! Measurements on a laid chain: seats of its bushings, stretch of its hinges, smallest gap to a tooth.
 
-use super::report::{LARGEST_STRETCH, START_GAPS};
 use crate::drive::Chain;
 use crate::geometry::path::wrap;
 use crate::geometry::path::wrap::Wheel;
 use crate::geometry::{ToothProfile, Vec2, unit};
 
+/// Initial distances of seated bushings from their seats that are tried \[m\]; a stretched chain, whose bushings are beside
+/// the middle of their seats, may need the larger ones.
+pub(super) const START_GAPS: [f64; 4] = [1e-6, 3e-6, 1e-5, 3e-5];
+/// Largest stretch of a chain at the start, over the hinge clearance.
+pub(super) const LARGEST_STRETCH: f64 = 0.9;
 /// Least distance of a bushing from a tooth at the start \[m\]: the least one that is tried, less a tenth.
 const LEAST_GAP: f64 = 0.9 * START_GAPS[0];
 

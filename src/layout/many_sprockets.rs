@@ -1,17 +1,15 @@
 //! Layout of a chain round any number of sprockets inside and outside of it, and the reasons of failure.
 
-use super::closing::even_links;
-use super::fit::{TAUT_STRETCH, bow_fault, remedy, shortage, without_fault};
-use super::initial::GIVEN_UP;
-use super::laid_chain::{Lie, phase, wheel};
-use super::report::{
-    LARGEST_STRETCH, LEAST_GRAVITY_ACROSS, Layout, START_GAPS, given_speed, strand_name,
-    tension_force,
-};
+use super::fit::{TAUT_STRETCH, bow_fault, even_links, remedy, shortage, without_fault};
+use super::laid_chain::{LARGEST_STRETCH, Lie, START_GAPS, phase, wheel};
+use super::report::{LEAST_GRAVITY_ACROSS, Layout, given_speed, strand_name, tension_force};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::path::polygon::{PlacedWheel, Polygon, WheelSequence};
 use crate::geometry::{ToothProfile, Vec2, turned_left};
+
+/// Message of a search that its caller gave up.
+pub(super) const GIVEN_UP: &str = "the search for an initial configuration was given up";
 
 /// Number of positions of the first seat within a pitch that are tried.
 const SHIFTS: u32 = 48;
@@ -243,7 +241,7 @@ impl<'a> Around<'a> {
             |i: usize| drive.sprockets[i].side.sign() / f64::from(drive.sprockets[i].teeth);
         let hinge_radius = |i: usize| found.course.wheels[place(i)].wheel.hinge_radius;
         let by_sprocket = |value: &dyn Fn(usize) -> f64| (0..n).map(value).collect::<Vec<f64>>();
-        let mut layout = Layout {
+        Ok(Layout {
             sides: drive.sprockets.iter().map(|s| s.side).collect(),
             seat_of: polygon
                 .seat_of
@@ -269,8 +267,6 @@ impl<'a> Around<'a> {
             tension_force: tension_force(drive)?,
             order: self.line.order.clone(),
             ..Layout::default()
-        };
-        layout.warn(drive);
-        Ok(layout)
+        })
     }
 }

@@ -1,9 +1,9 @@
 //! Initial configuration of an open chain: the first layout without contact, its velocities, and the report.
 
-use super::initial::{InitialConfiguration, link_between};
-use super::laid_chain::{Lie, phase};
+use super::configuration::{InitialConfiguration, link_between};
+use super::laid_chain::{Lie, START_GAPS, phase};
 use super::open_chain::{OpenChainLayout, OpenChainShape};
-use super::report::{Layout, START_GAPS, given_speed, tension_force};
+use super::report::{Layout, given_speed, tension_force};
 use super::strand_motion::keep_lengths_from;
 use crate::drive::bushing_on_front;
 use crate::drive::{ChainEnd, Drive};
@@ -247,7 +247,7 @@ fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forwa
     let lie = lie(drive, profiles, laid);
     let turn = |i: usize| laid.sense[i] / f64::from(drive.sprockets[i].teeth);
     let seated: u32 = laid.seated.iter().sum();
-    let mut layout = Layout {
+    Layout {
         order: (0..count).collect(),
         sides: drive.sprockets.iter().map(|s| s.side).collect(),
         seat_of: laid.seat_of.clone(),
@@ -268,9 +268,7 @@ fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forwa
         hinge_stretch: lie.stretch(),
         start_gap: lie.smallest_gap(),
         ..Layout::default()
-    };
-    layout.warn(drive);
-    layout
+    }
 }
 
 /// Return the strands of an open chain along this number of sprockets; its ends are [`usize::MAX`].

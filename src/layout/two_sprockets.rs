@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use super::closing::{closing_center_distance, links_for};
 use super::fit::{TAUT_STRETCH, bow_fault, remedy, shortage, without_fault};
-use super::laid_chain::{Lie, phase, wheel};
-use super::report::{LEAST_GRAVITY_ACROSS, Layout, START_GAPS, given_speed, tension_force};
+use super::laid_chain::{Lie, START_GAPS, phase, wheel};
+use super::report::{LEAST_GRAVITY_ACROSS, Layout, given_speed, tension_force};
 use crate::drive::{Drive, Sprocket};
 use crate::error::{Error, Result};
 use crate::geometry::path::belt::Side;
@@ -240,7 +240,7 @@ impl<'a> TwoSprocketDrive<'a> {
         let lie = self.lie(&path.hinges, &path.first_seat);
         let [n1, n2] = self.teeth().map(f64::from);
         let tangent = ((pitch_radius[0] - pitch_radius[1]) / self.center_distance).acos();
-        let mut layout = Layout {
+        Ok(Layout {
             order: vec![0, 1],
             sides: vec![Side::Inside; 2],
             seat_of: path.seat_of.clone(),
@@ -268,8 +268,6 @@ impl<'a> TwoSprocketDrive<'a> {
             start_gap: lie.smallest_gap(),
             tension_force: tension_force(self.drive)?,
             ..Layout::default()
-        };
-        layout.warn(self.drive);
-        Ok(layout)
+        })
     }
 }

@@ -3,7 +3,7 @@
 use super::{JUST, OpenChainLayout, OpenChainShape};
 use crate::geometry::path::hanging::{Hanging, HangingLink, hang};
 use crate::geometry::{Vec2, turned_left};
-use crate::layout::report::LARGEST_STRETCH;
+use crate::layout::laid_chain::LARGEST_STRETCH;
 
 impl OpenChainLayout<'_> {
     /// Return the points from a seat to an end, and the direction of the chain at the seat of a hanging strand.

@@ -1,0 +1,177 @@
+//! Warnings about a layout.
+
+use super::report::{Layout, USUAL_SAG, given_speed};
+use super::tightness::{Tightness, tightness};
+use crate::drive::{Bearing, Drive, HingeKind, Sprocket, SprocketMotion};
+use crate::geometry::path::wrap;
+use crate::math::Signal;
+
+/// Least usual wrap of a sprocket \[degrees\], less rounding: a third of its teeth is not below.
+const LEAST_WRAP: f64 = 120.0 - 1e-9;
+/// Difference of the chain speeds of two sprockets, over the larger one, above which a warning is given.
+const SPEED_MISMATCH: f64 = 0.01;
+
+/// Return the reason why the drive's tensioner does not reach its tension, if any.
+fn tensioner_warning(drive: &Drive) -> Option<String> {
+    let tensioner = drive.tensioner.as_ref()?;
+    let line = tensioner.line(drive).ok()?;
+    let way = match line.taut_at {
+        None => "anywhere on its way".to_string(),
+        Some(s) if s > tensioner.travel[1] => format!(
+            "before its stop: it would move by {:.3} mm and can by {:.3} mm",
+            1e3 * s,
+            1e3 * tensioner.travel[1]
+        ),
+        Some(_) => return None,
+    };
+    Some(format!(
+        "the tensioner does not take up the chain's slack {way}"
+    ))
+}
+
+/// Shortage that is told of an ideal chain \[m\]: as far as bushings begin off their seats.
+const LEAST_SHORTAGE: f64 = 1e-6;
+
+/// Ideal hinges that leave the chain too short somewhere on its way round. A tensioner or a floating sprocket gives way; so does a chain
+/// with clearance in its hinges.
+fn tightness_warning(drive: &Drive) -> Option<String> {
+    let fixed = |sprocket: &Sprocket| sprocket.bearing == Bearing::Fixed;
+    let stiff = drive.hinge_kind == HingeKind::Ideal
+        && drive.ends.is_none()
+        && drive.tensioner.is_none()
+        && drive.sprockets.iter().all(fixed);
+    if !stiff {
+        return None;
+    }
+    let Tightness { shortage, tension } = tightness(drive).ok()?;
+    (shortage >= LEAST_SHORTAGE).then(|| {
+        format!(
+            "ideal hinges do not open: where the polygon effect tightens it most, the chain is {:.1} um too short for these \
+             centres, and its tension is about {tension:.0} N, more at speed; move a centre in \
+             until the strands have so much more length, or take a tensioner, hinges='clearance', or sprockets with room in \
+             their seats (AnsiTooth(seat='pitch-circle'))",
+            1e6 * shortage
+        )
+    })
+}
+
+/// Largest displacement of a tensioner on a spring under load, in pitches, at which the chain counts as seated. Half a pitch is about the
+/// height of a tooth; in runs of 17:25 teeth the chain jumps at 1.4 pitches.
+const GIVES_WAY: f64 = 0.5;
+
+/// Return the warning about a load with which the chain jumps teeth: it needs a larger difference of strand tensions than the
+/// tensioner keeps as their sum.
+fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
+    let tensioner = drive.tensioner.as_ref().filter(|_| drive.ends.is_none())?;
+    // A ratchet or a stop holds the centre at any load.
+    if tensioner.ratchet.is_some() || tensioner.travel[0].is_finite() {
+        return None;
+    }
+    // With more sprockets, strands away from the tensioner may be tight.
+    let loaded = match drive.sprockets.len() {
+        2 => 0..2,
+        _ => tensioner.sprocket - 1..tensioner.sprocket,
+    };
+    let need = |i: usize| {
+        let radius = wrap::pitch_radius(drive.chain.pitch, drive.sprockets[i].teeth);
+        largest_torque(&drive.sprockets[i].motion, speeds[i])
+            .map(|torque| (i, torque, torque / radius))
+    };
+    let (i, torque, needed) = loaded.filter_map(need).max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let sum = 2.0 * tensioner.pretension + GIVES_WAY * drive.chain.pitch * tensioner.stiffness;
+    (needed > sum).then(|| {
+        format!(
+            "the load of {torque:.4} N m on sprocket {} needs {needed:.1} N more in one strand than in the other, and the tensioner \
+             maintains a sum of {sum:.1} N: the chain will jump teeth; take a pretension of {:.1} N or more",
+            i + 1,
+            tensioner.pretension + 0.5 * (needed - sum)
+        )
+    })
+}
+
+/// Return the size of the largest torque on a sprocket at its initial angular velocity \[N m\]; `None` without torque.
+fn largest_torque(motion: &SprocketMotion, speed: f64) -> Option<f64> {
+    let largest = |torque: &Signal, of_speed: f64| {
+        let [least, most] = torque.range().map(|torque| (torque + of_speed).abs());
+        least.max(most)
+    };
+    match motion {
+        SprocketMotion::AppliedTorque(torque) => Some(largest(torque, 0.0)),
+        SprocketMotion::TorqueCurve { torque, curve } => Some(largest(torque, curve.value(speed))),
+        SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => None,
+    }
+}
+
+/// Number of pitches in mesh below which a warning is given.
+const FEW_IN_MESH: u32 = 3;
+
+impl Layout {
+    /// Return the warnings about these choices.
+    pub(super) fn warn(&mut self, drive: &Drive) {
+        let mut warnings = Vec::new();
+        // The ends determine the sag of an open chain.
+        let closed = if drive.ends.is_none() {
+            self.strands.len()
+        } else {
+            0
+        };
+        for i in 0..closed {
+            let share = self.sag[i] / self.spans[i];
+            if share > USUAL_SAG {
+                warnings.push(format!(
+                    "the {} strand sags by {:.1} % of its span; 4 to 6 % is usual",
+                    self.strand_name(i),
+                    100.0 * share
+                ));
+            }
+        }
+        for (i, sprocket) in drive.sprockets.iter().enumerate() {
+            let gap = std::f64::consts::TAU / f64::from(sprocket.teeth);
+            let wrap = (f64::from(self.seated[i]) * gap).to_degrees();
+            // Idlers transmit no power: few teeth are sufficient.
+            if drive.sprockets.len() == 2 || !matches!(sprocket.motion, SprocketMotion::Free) {
+                if wrap < LEAST_WRAP {
+                    warnings.push(format!(
+                        "sprocket {} is wrapped by {wrap:.0} degrees only; 120 is usual",
+                        i + 1
+                    ));
+                }
+            } else if self.seated[i] < FEW_IN_MESH {
+                let plural = if self.seated[i] == 1 { "" } else { "es" };
+                warnings.push(format!(
+                    "sprocket {} has {} pitch{plural} in mesh; {FEW_IN_MESH} are usual for an idler",
+                    i + 1,
+                    self.seated[i]
+                ));
+            }
+        }
+        self.warn_of_speeds(drive, &mut warnings);
+        warnings.extend(tensioner_warning(drive));
+        warnings.extend(overload_warning(drive, &self.speeds));
+        warnings.extend(tightness_warning(drive));
+        self.warnings = warnings;
+    }
+
+    fn warn_of_speeds(&self, drive: &Drive, warnings: &mut Vec<String>) {
+        // Given speeds must agree; the others follow.
+        let given: Vec<usize> = (0..drive.sprockets.len())
+            .filter(|&i| given_speed(drive, i).is_some())
+            .collect();
+        let chain_speed =
+            |i: usize| self.sides[i].sign() * self.speeds[i] * f64::from(drive.sprockets[i].teeth);
+        if let [first, others @ ..] = given.as_slice() {
+            for other in others {
+                let (one, two) = (chain_speed(*first), chain_speed(*other));
+                if (one - two).abs() > SPEED_MISMATCH * one.abs().max(two.abs()) {
+                    warnings.push(format!(
+                        "sprockets {} and {} start at {:.4} and {:.4} rad/s, which move the chain at different speeds",
+                        first + 1,
+                        other + 1,
+                        self.speeds[*first],
+                        self.speeds[*other]
+                    ));
+                }
+            }
+        }
+    }
+}
