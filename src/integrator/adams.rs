@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::convergence::NewtonConvergence;
-use super::corrector_switching::CorrectorSwitching;
 use super::dense_output::DenseOutput;
 use super::history::History;
 use super::next_step::NextStep;
 use super::order_control::SAFE_ERROR;
 use super::stability::FastestRate;
 use super::step::{Counts, StepFailure};
+use super::switching_evidence::CorrectorSwitching;
 use super::vectors::Vectors;
 use super::weights::ErrorNorm;
 use super::{MAX_ORDER, OdeSystem, StepControl};

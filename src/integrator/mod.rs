@@ -34,6 +34,7 @@ mod progress;
 mod slice_lanes;
 mod stability;
 mod step;
+mod switching_evidence;
 mod vectors;
 mod weights;
 

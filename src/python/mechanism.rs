@@ -11,11 +11,12 @@ use super::describe::{Reader, friction, number, refuse, shown, signal, table, tr
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom, take};
 use super::mechanism_contact::contact;
+use super::mechanism_fields::{markers, text};
 use super::starts::interrupted;
 use crate::layout::InitialConfiguration;
 use crate::multibody::{
-    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel,
-    PinFriction, PrescribedMotion, SpringLaw,
+    Body, ForceElement, ForceKind, Joint, JointKind, Mechanism, MechanismModel, PinFriction,
+    PrescribedMotion, SpringLaw,
 };
 use crate::panics::contained;
 use crate::run::{AnySimulation, MechanismSimulation};
@@ -65,13 +66,6 @@ fn of_part(part: &Bound<'_, PyAny>, kind: &str, error: PyErr) -> PyErr {
     named().map_or_else(|interrupt| interrupt, InvalidInput::new_err)
 }
 
-pub(super) fn text(read: &Reader<'_, '_>, field: &str) -> PyResult<String> {
-    let value = read.get(field)?;
-    value
-        .extract()
-        .map_err(|_| refuse(field, &value, "must be text"))
-}
-
 fn optional_text(read: &Reader<'_, '_>, field: &str) -> PyResult<Option<String>> {
     let given = !read.get(field)?.is_none();
     given.then(|| text(read, field)).transpose()
@@ -101,16 +95,6 @@ fn body(object: &Bound<'_, PyAny>) -> PyResult<Body> {
         velocity: triple(&read, "velocity", "m/s, m/s, rad/s")?,
         fixed: truth(&read.get("fixed")?, "fixed")?,
     })
-}
-
-pub(super) fn markers(read: &Reader<'_, '_>) -> PyResult<[Marker; 2]> {
-    let marker = |body: &str, point: &str| {
-        Ok::<_, PyErr>(Marker {
-            body: text(read, body)?,
-            point: read.vector(point, "m")?,
-        })
-    };
-    Ok([marker("body_a", "point_a")?, marker("body_b", "point_b")?])
 }
 
 fn joint(object: &Bound<'_, PyAny>) -> PyResult<Joint> {
@@ -184,12 +168,6 @@ fn motion(read: &Reader<'_, '_>) -> PyResult<PrescribedMotion> {
     } else {
         PrescribedMotion::Position(function)
     })
-}
-
-pub(super) fn pairs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<(f64, f64)>> {
-    value
-        .extract()
-        .map_err(|_| refuse(field, value, "must be rows of two numbers"))
 }
 
 fn spring_law(read: &Reader<'_, '_>) -> PyResult<SpringLaw> {

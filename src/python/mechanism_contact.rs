@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use super::describe::{
     Reader, chain, law_and_friction, material, number, refuse, sprocket, tribology, truth,
 };
-use super::mechanism::{markers, pairs, text};
+use super::mechanism_fields::{markers, pairs, text};
 use crate::geometry::Vec2;
 use crate::multibody::{ContactLaw, ContactPair, Piece, Profile, Tribology};
 

@@ -15,6 +15,7 @@ mod layouts;
 mod mechanism;
 mod mechanism_callable;
 mod mechanism_contact;
+mod mechanism_fields;
 mod starts;
 mod toml;
 

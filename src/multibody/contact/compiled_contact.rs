@@ -10,7 +10,8 @@ use crate::geometry::Vec2;
 use crate::multibody::description::body::{End, Frame};
 use crate::multibody::description::contact_law::CompiledLaw;
 use crate::multibody::description::contact_pair::ContactPair;
-use crate::multibody::description::profile::{Curvature, Nearest, Profile, Tooth};
+use crate::multibody::description::outline_piece::Curvature;
+use crate::multibody::description::profile::{Nearest, Profile, Tooth};
 use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::forces::loads::BodyLoads;
 

@@ -10,8 +10,8 @@ mod extrema;
 
 use self::extrema::Extremum;
 use crate::geometry::{Vec2, direction, turned_left};
+use crate::multibody::description::outline_piece::Curvature;
 use crate::multibody::description::outline_piece::Piece;
-use crate::multibody::description::profile::Curvature;
 
 /// Angle of a turn to the right below which it is a rounding error and no re-entrant corner \[sine\].
 const SMOOTH: f64 = 1e-6;

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result, check};
 use crate::force_law::{ContactLane, ElasticPair, ForceLaw, RestitutionDamping, SurfacePair};
 
-use super::profile::Curvature;
+use super::outline_piece::Curvature;
 
 /// Normal force law of a contact.
 #[derive(Debug, Clone, PartialEq)]

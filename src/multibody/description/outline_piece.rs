@@ -1,8 +1,17 @@
 //! A piece of an outline, a straight line or an arc: ends, tangents and curvature.
 
-use super::profile::Curvature;
 use crate::error::{Error, Result, check};
 use crate::geometry::{Vec2, turned_left};
+
+/// Curvature of a piece at its contact with a circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Curvature {
+    Flat,
+    /// A straight line followed by a convex curve of this radius \[m\].
+    FlatBefore(f64),
+    Convex(f64),
+    Concave(f64),
+}
 
 /// Largest difference of the radii at both ends of an arc, over the larger one. It separates rounded coordinates from a wrong centre.
 const RADIUS_MISMATCH: f64 = 1e-6;

@@ -4,7 +4,7 @@ use crate::error::{Error, Result, check};
 use crate::force_law::radius_beside_flat;
 use crate::geometry::{SurfaceCurve, SurfacePiece, ToothProfile, Vec2, direction};
 
-use super::outline_piece::Piece;
+use super::outline_piece::{Curvature, Piece};
 
 /// Shape in the frame of marker a, for contacts with a circle around marker b.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,16 +62,6 @@ pub(crate) struct Tooth {
     pub(crate) gap: u32,
     /// Region of the tooth, from 1.
     pub(crate) region: u8,
-}
-
-/// Curvature of a piece at its contact with a circle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Curvature {
-    Flat,
-    /// A straight line followed by a convex curve of this radius \[m\].
-    FlatBefore(f64),
-    Convex(f64),
-    Concave(f64),
 }
 
 impl Profile {
