@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::assembly::placement::Assembly;
+use super::assembly::outcome::Assembly;
 use super::assembly::projection::Projector;
 use super::constraints::constraint_state::ConstraintState;
 use super::contact::contact_states::ContactStates;
@@ -13,10 +13,11 @@ use super::frames::Shift;
 use super::inputs::MechanismInputs;
 use super::model::MechanismModel;
 use super::newton::stage::ImplicitCorrector;
-use super::step::StepStart;
-use super::system::MechanismSums;
+use super::step_start::StepStart;
+use super::sums::MechanismSums;
 use crate::error::Result;
 use crate::integrator::OdeSystem;
+use crate::system::PowerSum;
 
 /// Right-hand side of the equations of motion. Its contact memory changes between steps only.
 ///
@@ -197,6 +198,20 @@ impl MechanismDynamics {
     pub(crate) fn evaluate(&mut self, t: f64, state: &[f64]) {
         self.model.place(&mut self.frames, state);
         self.accelerate(t);
+    }
+
+    /// Return the integrator's state for [q, v] with the present deflections and energy sums.
+    pub(crate) fn solution_of(&self, state: &[f64]) -> Vec<f64> {
+        let (q, v) = state.split_at(self.model.coordinates());
+        let unused = vec![0.0; self.model.bristles];
+        [
+            q,
+            &unused,
+            v,
+            &self.contacts.bristles.deflection,
+            &self.sums.totals(),
+        ]
+        .concat()
     }
 }
 

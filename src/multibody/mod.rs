@@ -12,6 +12,7 @@ pub(crate) mod dynamics;
 pub(crate) mod forces;
 mod frames;
 pub(crate) mod from_drive;
+mod input_changes;
 mod inputs;
 pub(crate) mod model;
 pub(crate) mod newton;
@@ -19,10 +20,12 @@ pub(crate) mod report;
 pub(crate) mod singular;
 mod statics;
 mod step;
+mod step_start;
+mod sums;
 mod system;
 pub(crate) mod views;
 
-pub use assembly::placement::Assembly;
+pub use assembly::outcome::Assembly;
 pub use description::body::{Body, Marker};
 pub use description::contact_law::ContactLaw;
 pub use description::contact_pair::ContactPair;
@@ -37,7 +40,8 @@ pub use dynamics::MechanismDynamics;
 pub use from_drive::DriveContacts;
 pub use model::MechanismModel;
 pub use report::MechanismGroups;
-pub use system::{MechanismCheckpoint, MechanismSums};
+pub use sums::MechanismSums;
+pub use system::MechanismCheckpoint;
 
 use crate::geometry::Vec2;
 

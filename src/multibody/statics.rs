@@ -7,7 +7,7 @@ use super::description::force_element::ForceKind;
 use super::dynamics::MechanismDynamics;
 use super::forces::loads::BodyLoads;
 use super::model::MechanismModel;
-use super::step::ITERATIONS;
+use super::step_start::ITERATIONS;
 use crate::error::{Error, Result, check};
 use crate::math::Signal;
 

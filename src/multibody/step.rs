@@ -3,37 +3,11 @@
 use super::MechanismDynamics;
 use super::assembly::projection::AtHand;
 use super::contact::impact_memory::Memory;
-use super::contact::onset::OnsetNumbers;
 use super::newton::stage::{is_nearness_due, largest_rotation};
-use super::system::MechanismSums;
+use super::step_start::ITERATIONS;
+use super::sums::MechanismSums;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, OdeSystem};
-
-/// Largest number of iterations of a projection in a run, where the residual is small at the start.
-pub(super) const ITERATIONS: usize = 12;
-
-/// Start of the last step, for the return after a failure and for states within the step.
-#[derive(Debug, Clone, Default)]
-pub(super) struct StepStart {
-    pub(super) time: f64,
-    solution: Vec<f64>,
-    pub(super) shift: Vec<f64>,
-    pub(super) memory: Vec<Memory>,
-    pub(super) onsets: OnsetNumbers,
-    /// Whether the step uses the implicit corrector, whose last evaluation is not at the final solution.
-    is_implicit: bool,
-}
-
-impl StepStart {
-    /// Return the state before the first step, with `dimension` coordinates and velocities and `sides` sides of contacts.
-    pub(super) fn new(dimension: usize, sides: usize) -> Self {
-        Self {
-            shift: vec![0.0; dimension],
-            memory: vec![Memory::default(); sides],
-            ..Self::default()
-        }
-    }
-}
 
 impl MechanismDynamics {
     /// Return whether an acceleration that a driver prescribes jumps at the end of the last step.
@@ -197,6 +171,34 @@ impl MechanismDynamics {
     pub(super) fn describe_culprit(&self, component: usize) -> String {
         let part = self.model.owner_of(component % self.model.unknowns());
         format!("{part}{}", self.hardest_pressed())
+    }
+
+    /// Return the longest step from `t` \[s\] within which no event is missed.
+    ///
+    /// Contacts: no circle may reach a profile that it is not near to, by the present velocities and accelerations. Drivers and
+    /// forces: no kink and no short pulse is skipped. Bounds of contacts above `within` are returned as infinite.
+    pub(crate) fn longest_step_within(&self, t: f64, within: f64) -> f64 {
+        let motions = self
+            .model
+            .equations
+            .iter()
+            .filter_map(|e| e.motion.as_ref());
+        let motions = motions.map(|motion| motion.longest_step(t));
+        let forces = self.model.forces.iter().map(|force| force.longest_step(t));
+        let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
+        let bodies = &self.model.contact_bodies;
+        let (model, accelerations) = (&self.model, &self.accelerations);
+        let of_body = |body| model.accelerations_of(body, accelerations);
+        if bodies.stay_close(&self.frames, of_body, within) {
+            return longest;
+        }
+        let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
+        let times = contacts.map(|(contact, sides)| {
+            let side_states = &self.contacts.side_states[sides.clone()];
+            let of_pair = contact.accelerations_of_bodies(model, accelerations);
+            contact.free_time(&self.frames, of_pair, side_states, within)
+        });
+        times.fold(longest, f64::min)
     }
 
     /// Reset the bristles of contacts that have ended, so they start undeflected at the next onset. They exert no force. The history

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::contact::event_screening::ContactEnd;
+use super::contact::contact_states::ContactEnd;
 use super::contact::impact_memory::Memory;
 use super::contact::onset::{OnsetNumbers, StepMotion};
 use super::dynamics::MechanismDynamics;
@@ -12,29 +12,10 @@ use super::inputs::MechanismInput;
 use super::model::MechanismModel;
 use super::newton::stage::StepReactions;
 use super::report::{self, JOINTS, MechanismGroups};
+use super::sums::MechanismSums;
 use crate::error::Result;
 use crate::integrator::{Adams, Step};
-use crate::system::{Channel, Energy, EventCounts, Identity, PowerSum, Row, System, hash};
-
-/// Energy dissipated and external work of a mechanism \[J\], as components of the solution.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct MechanismSums {
-    /// Energy dissipated in dampers and contacts, including the energy stored in bristles; [`System::without_stored`] subtracts that.
-    pub dissipated: f64,
-    /// Work of applied forces and drivers.
-    pub external_work: f64,
-}
-
-impl PowerSum for MechanismSums {
-    fn add_scaled(&mut self, factor: f64, other: &Self) {
-        self.dissipated += factor * other.dissipated;
-        self.external_work += factor * other.external_work;
-    }
-
-    fn totals(&self) -> [f64; 2] {
-        [self.dissipated, self.external_work]
-    }
-}
+use crate::system::{Channel, Energy, EventCounts, Identity, Row, System, hash};
 
 /// State of the dynamics that, with the integrator's state, determines the rest of a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -2,6 +2,7 @@
 
 pub(crate) mod approach;
 pub(crate) mod changes;
+pub(crate) mod outcome;
 pub(crate) mod placement;
 pub(crate) mod projection;
 pub(crate) mod residual_report;

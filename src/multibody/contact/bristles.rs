@@ -4,9 +4,7 @@
 //! one of the coordinates, as in chain drives. In an implicit step an evaluation solves z = z₀ + γ dz/dt with the predicted value
 //! z₀. This equation is linear in z for a given sliding velocity. The friction slope in the matrix of the bodies includes z.
 
-use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::model::MechanismModel;
-use crate::system::PowerSum;
 
 /// All bristles of a mechanism.
 #[derive(Debug, Clone, Default)]
@@ -96,28 +94,13 @@ impl MechanismModel {
     }
 }
 
-impl MechanismDynamics {
-    /// Return the integrator's state for [q, v] with the present deflections and energy sums.
-    pub(crate) fn solution_of(&self, state: &[f64]) -> Vec<f64> {
-        let (q, v) = state.split_at(self.model.coordinates());
-        let unused = vec![0.0; self.model.bristles];
-        [
-            q,
-            &unused,
-            v,
-            &self.contacts.bristles.deflection,
-            &self.sums.totals(),
-        ]
-        .concat()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::{contact, floor, mechanism};
     use super::*;
     use crate::force_law::LuGre;
     use crate::multibody::description::tribology::FrictionLaw;
+    use crate::multibody::dynamics::MechanismDynamics;
     use std::sync::Arc;
 
     /// Return the model of two bodies with `count` contacts with bristles.

@@ -2,7 +2,6 @@
 
 use super::impact_memory::{Memory, SideState};
 use super::outline::{ContactPoint, Outline, OutlinePlace, is_tight};
-use super::step_bound::FARTHEST;
 use crate::error::Result;
 use crate::force_law::HingeFilm;
 use crate::geometry::Contact;
@@ -14,6 +13,10 @@ use crate::multibody::description::outline_piece::Curvature;
 use crate::multibody::description::profile::{Nearest, Profile, Tooth};
 use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::forces::loads::BodyLoads;
+
+/// Gap of a circle below which it is near a profile, over its radius. No step carries a circle to the profile from a larger gap.
+/// From a smaller gap no step carries it farther than this length, and the path is screened for contacts.
+pub(crate) const FARTHEST: f64 = 0.25;
 
 /// A contact with its bodies by index and the constants of each piece of its profile.
 #[derive(Debug, Clone)]

@@ -1,12 +1,30 @@
 //! State of all contacts of a mechanism: forces and penetrations of the last evaluation, impact velocity memory, bristles.
 
+use serde::{Deserialize, Serialize};
+
 use super::bristles::ContactBristles;
-use super::event_screening::ContactEnd;
 use super::impact_memory::{Memory, SideState};
 use crate::geometry::Vec2;
 use crate::multibody::description::body::Frame;
 use crate::multibody::forces::loads::BodyLoads;
 use crate::multibody::model::MechanismModel;
+
+/// State of a contact at one end of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ContactEnd {
+    /// Penetration \[m\], negative when apart, and its rate \[m/s\].
+    pub(super) depth: [f64; 2],
+    /// Position \[m\], velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre in the frame of the profile; `None` if
+    /// the circle is farther away than a step may carry it, or behind the profile.
+    pub(super) motion: Option<[[f64; 2]; 3]>,
+}
+
+impl ContactEnd {
+    pub(crate) const FAR: Self = Self {
+        depth: [f64::NEG_INFINITY, 0.0],
+        motion: None,
+    };
+}
 
 /// State of all contacts. The memory changes between steps only.
 #[derive(Debug, Clone)]

@@ -1,33 +1,13 @@
 //! Event screening: search of a step for contacts that begin and end within it and are visible at neither of its ends.
 
-use serde::{Deserialize, Serialize};
-
-use super::compiled_contact::CompiledContact;
+use super::compiled_contact::{CompiledContact, FARTHEST};
 use super::contact_path::{ContactPath, Depth, PointMotion, UNSEEN};
-use super::contact_states::ContactStates;
+use super::contact_states::{ContactEnd, ContactStates};
 use super::impact_memory::Memory;
-use super::step_bound::FARTHEST;
 use crate::geometry::{Vec2, turned_left};
 use crate::integrator::event_location::Cubic;
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
-
-/// State of a contact at one end of a step.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(crate) struct ContactEnd {
-    /// Penetration \[m\], negative when apart, and its rate \[m/s\].
-    depth: [f64; 2],
-    /// Position \[m\], velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre in the frame of the profile; `None` if
-    /// the circle is farther away than a step may carry it, or behind the profile.
-    motion: Option<[[f64; 2]; 3]>,
-}
-
-impl ContactEnd {
-    pub(crate) const FAR: Self = Self {
-        depth: [f64::NEG_INFINITY, 0.0],
-        motion: None,
-    };
-}
 
 impl ContactStates {
     /// Write the state of all contacts at the start of the next step, which is the state of the last evaluation.

@@ -3,17 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::SQRT_2;
 
-use super::compiled_contact::CompiledContact;
+use super::compiled_contact::{CompiledContact, FARTHEST};
 use super::impact_memory::SideState;
 use super::outline::OutlinePlace;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
-use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::model::MechanismModel;
-
-/// Gap of a circle below which it is near a profile, over its radius. No step carries a circle to the profile from a larger gap.
-/// From a smaller gap no step carries it farther than this length, and the path is screened for contacts.
-pub(crate) const FARTHEST: f64 = 0.25;
 
 /// Bodies of all contacts, for one bound of their relative motions.
 #[derive(Debug, Clone, Default)]
@@ -71,36 +66,6 @@ impl ContactBodies {
         let circles = circles.map(|&(body, arm)| displacement(body, arm));
         let farthest = profiles.fold(0.0, f64::max) + circles.fold(0.0, f64::max);
         farthest < FARTHEST * self.least_radius
-    }
-}
-
-impl MechanismDynamics {
-    /// Return the longest step from `t` \[s\] within which no event is missed.
-    ///
-    /// Contacts: no circle may reach a profile that it is not near to, by the present velocities and accelerations. Drivers and
-    /// forces: no kink and no short pulse is skipped. Bounds of contacts above `within` are returned as infinite.
-    pub(crate) fn longest_step_within(&self, t: f64, within: f64) -> f64 {
-        let motions = self
-            .model
-            .equations
-            .iter()
-            .filter_map(|e| e.motion.as_ref());
-        let motions = motions.map(|motion| motion.longest_step(t));
-        let forces = self.model.forces.iter().map(|force| force.longest_step(t));
-        let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
-        let bodies = &self.model.contact_bodies;
-        let (model, accelerations) = (&self.model, &self.accelerations);
-        let of_body = |body| model.accelerations_of(body, accelerations);
-        if bodies.stay_close(&self.frames, of_body, within) {
-            return longest;
-        }
-        let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
-        let times = contacts.map(|(contact, sides)| {
-            let side_states = &self.contacts.side_states[sides.clone()];
-            let of_pair = contact.accelerations_of_bodies(model, accelerations);
-            contact.free_time(&self.frames, of_pair, side_states, within)
-        });
-        times.fold(longest, f64::min)
     }
 }
 

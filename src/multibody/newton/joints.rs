@@ -1,6 +1,6 @@
 //! Constraints and friction of pins in the matrix of the implicit corrector.
 
-use super::matrix::ImplicitMatrix;
+use super::implicit_matrix::ImplicitMatrix;
 use super::sparse_system::PointEntries;
 use super::stage::largest_rotation;
 use crate::geometry::{Vec2, turned_left};

@@ -1,5 +1,6 @@
 //! Linear system of the implicit corrector.
 
+pub(crate) mod implicit_matrix;
 pub(crate) mod joints;
 pub(crate) mod matrix;
 pub(crate) mod sparse_system;

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::matrix::ImplicitMatrix;
+use super::implicit_matrix::ImplicitMatrix;
 use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
