@@ -4,6 +4,7 @@
 
 use pulp::{Simd, WithSimd};
 
+use super::contact::compiled_contact::CompiledContact;
 use super::description::body::Frame;
 use super::model::MechanismModel;
 use crate::geometry::Vec2;
@@ -76,6 +77,15 @@ impl MechanismModel {
             None => [0.0; 3],
             Some(i) => [0, 1, 2].map(|k| accelerations[i + k]),
         }
+    }
+
+    /// Return the accelerations of bodies a and b of a contact \[m/s², m/s², rad/s²\].
+    pub(crate) fn accelerations_of_pair(
+        &self,
+        contact: &CompiledContact,
+        accelerations: &[f64],
+    ) -> [[f64; 3]; 2] {
+        [contact.a.body, contact.b.body].map(|body| self.accelerations_of(body, accelerations))
     }
 }
 

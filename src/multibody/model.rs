@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::constraints::equation::{Equation, Quantity};
-use super::constraints::pin_friction::Pin;
+use super::constraints::pin::Pin;
 use super::contact::compiled_contact::CompiledContact;
 use super::contact::step_bound::ContactBodies;
 use super::description::body::{Body, End, Frame, Marker};

@@ -195,7 +195,7 @@ impl MechanismDynamics {
         let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
         let times = contacts.map(|(contact, sides)| {
             let side_states = &self.contacts.side_states[sides.clone()];
-            let of_pair = contact.accelerations_of_bodies(model, accelerations);
+            let of_pair = model.accelerations_of_pair(contact, accelerations);
             contact.free_time(&self.frames, of_pair, side_states, within)
         });
         times.fold(longest, f64::min)

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::equation::EquationRow;
 use super::jacobian::{Group, Jacobian};
-use super::pin_friction::PinTorques;
+use super::pin::PinTorques;
 use super::sparse_kkt::SparseKkt;
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;

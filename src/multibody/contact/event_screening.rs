@@ -104,7 +104,7 @@ impl CompiledContact {
             return ContactEnd::FAR;
         }
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let of_bodies = self.accelerations_of_bodies(model, accelerations);
+        let of_bodies = model.accelerations_of_pair(self, accelerations);
         let (speed, acceleration) = self.relative_motion(frames, of_bodies);
         // Coriolis term of the rotating frame of the profile; the other terms of that frame are in the acceleration.
         let acceleration = acceleration - 2.0 * fa.spin * turned_left(speed);

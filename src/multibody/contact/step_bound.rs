@@ -8,7 +8,6 @@ use super::impact_memory::SideState;
 use super::outline::OutlinePlace;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
-use crate::multibody::model::MechanismModel;
 
 /// Bodies of all contacts, for one bound of their relative motions.
 #[derive(Debug, Clone, Default)]
@@ -70,15 +69,6 @@ impl ContactBodies {
 }
 
 impl CompiledContact {
-    /// Return the accelerations of bodies a and b \[m/s², m/s², rad/s²\].
-    pub(crate) fn accelerations_of_bodies(
-        &self,
-        model: &MechanismModel,
-        accelerations: &[f64],
-    ) -> [[f64; 3]; 2] {
-        [self.a.body, self.b.body].map(|body| model.accelerations_of(body, accelerations))
-    }
-
     /// Return the time \[s\] in which the circle moves through its gap, or through [`FARTHEST`] radii if the gap is smaller.
     ///
     /// Speed and acceleration are relative to the profile. The time is infinite if it is clearly longer than `within` \[s\].

@@ -9,12 +9,12 @@ use super::*;
 use crate::geometry::Contact;
 use crate::math::testing::random;
 use crate::math::{Signal, Table};
-use crate::multibody::MechanismDynamics;
 use crate::multibody::description::body::Marker;
 use crate::multibody::description::driver::PrescribedMotion;
 use crate::multibody::description::force_element::{ForceElement, ForceKind};
 use crate::multibody::description::joint::{Joint, JointKind};
 use crate::multibody::description::profile::Profile;
+use crate::multibody::{MechanismDynamics, MechanismModel};
 use std::sync::Arc;
 
 /// Return whether circles stay close to their profiles within a time \[s\].
