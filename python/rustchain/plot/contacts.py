@@ -12,15 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from rustchain import _rustchain
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.arguments import admitted, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
 from rustchain.plot.mechanism import force_penetration_figure
-from rustchain.plot.style import Ax, Figures, legend_of_distinct, panels, styled
+from rustchain.plot.style import Ax, Figures, legend_of_distinct, legend_outside, panels, styled
 from rustchain.results.views import Bushing
-from rustchain.typing import Time
+from rustchain.typing import Array, Time
 
 _SHOWN = 2  # hinges or bushings, where none are named
 _SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
@@ -33,39 +33,57 @@ class ContactFigures(Figures):
     def hinge_force(
         self, *hinges: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
-        """Draw the contact force of hinges over time, by default of the two most loaded."""
+        """Draw the contact force of hinges over time, with the largest between two rows.
+
+        By default the two most loaded hinges are drawn, by the largest force between rows.
+        """
         rows = rows_between(self.result, start, end)
-        numbers = hinges or self._most_loaded("hinge_force", rows)
+        numbers = hinges or self._most_loaded("hinge", rows)
+        peaks = self._peaks("hinge", rows)
         figure, cells = panels(len(numbers), "time [s]", "pin / bushing force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             view = self.result.hinge(number)
-            axes.plot(view.time[rows], view.force[rows], color=BLUE)
+            _draw_largest(axes, view.time[rows], peaks, number)
+            axes.plot(view.time[rows], view.force[rows], color=BLUE, label="at the row")
             axes.set_title(f"hinge {number}")
+        if peaks is not None:
+            legend_outside(cells, "outside upper right", ax)
         return figure
 
     @styled
     def tooth_force(
         self, *bushings: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
-        """Draw the tooth force of bushings over time, each stay with its sprocket and gap.
+        """Draw the tooth force of bushings over time, each contact episode with sprocket and gap.
 
-        By default those of the two most loaded bushings.
+        The thin line is the largest force between two rows. Contacts with guides have the number of
+        the guide. By default the two most loaded bushings are drawn, by the largest force between
+        rows.
         """
         window = rows_between(self.result, start, end)
-        numbers = bushings or self._most_loaded("tooth_force", window)
+        numbers = bushings or self._most_loaded("tooth", window)
+        peaks = self._peaks("tooth", window)
         figure, cells = panels(len(numbers), "time [s]", "bushing / tooth force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             view = self.result.bushing(number)
             axes.plot(
                 view.time[window], np.zeros_like(view.time[window]), color=GREY, linewidth=0.5
             )
-            for rows, sprocket, tooth in _visits(view, window):
-                time, force = view.time[rows], view.tooth_force[rows]
+            _draw_largest(axes, view.time[window], peaks, number)
+            largest = view.tooth_force.copy()
+            if peaks is not None:
+                largest[window] = peaks[:, number - 1]
+            for rows, nearest, sprocket, tooth in _visits(view, window):
+                force = view.tooth_force[rows]
                 color = CYCLE[(sprocket - 1) % len(CYCLE)]
-                axes.plot(time, force, color=color, label=f"sprocket {sprocket}")
+                name = self._wheel_name(sprocket)
+                axes.plot(view.time[rows], force, color=color, label=name)
+                if sprocket > len(self.result.drive.sprockets):
+                    continue  # a guide has no teeth
+                top = nearest.start + int(np.argmax(largest[nearest]))
                 axes.annotate(
                     f"tooth {tooth}",
-                    (time.mean(), force.max()),
+                    (view.time[top], largest[top]),
                     xytext=(0, 2),
                     textcoords="offset points",
                     horizontalalignment="center",
@@ -90,8 +108,15 @@ class ContactFigures(Figures):
 
         Tooth contacts are coloured by the region of the tooth. With regions "kept" the stiffness is
         that of the region of the contact onset, so that points of one colour may lie on two lines.
-        Hinges are shown with the elastic part of their law. By default the two most loaded ones are
-        drawn. The contacts of a mechanism go by their names; without a name, all are drawn.
+        Hinges are shown with the elastic part of their law. With elastic plates the penetration of
+        hinges includes the extension F/k of the links, and so does the curve. By default the two
+        most loaded ones are drawn, by the largest force between rows. The contacts of a mechanism
+        go by their names; without a name, all are drawn.
+
+        Raises
+        ------
+        InvalidInput
+            With ``contact="hinge"``, if the hinges are ideal: they have no penetration.
         """
         rows = rows_between(self.result, start, end)
         if self.result.scene.kind == "mechanism":
@@ -99,7 +124,9 @@ class ContactFigures(Figures):
         if contact not in ("tooth", "hinge"):
             msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('tooth', 'hinge'))}"
             raise InvalidInput(msg)
-        numbers = numbers or self._most_loaded(f"{contact}_force", rows)
+        if contact == "hinge":
+            self._check_clearance()
+        numbers = numbers or self._most_loaded(contact, rows)
         draw = self._tooth_loops if contact == "tooth" else self._hinge_loops
         label = "bushing / tooth" if contact == "tooth" else "pin / bushing"
         figure, cells = panels(len(numbers), "penetration [µm]", f"{label} force [N]", ax=ax)
@@ -114,10 +141,16 @@ class ContactFigures(Figures):
         """Draw the path of a pin's centre in its bushing, coloured by the force between the two.
 
         The dotted circle shows the contact onset. One scale of colours holds for all hinges. By
-        default the two most loaded ones are drawn.
+        default the two most loaded ones are drawn, by the largest force between rows.
+
+        Raises
+        ------
+        InvalidInput
+            If the hinges are ideal: their pins do not move in their bushings.
         """
         rows = rows_between(self.result, start, end)
-        numbers = hinges or self._most_loaded("hinge_force", rows)
+        self._check_clearance()
+        numbers = hinges or self._most_loaded("hinge", rows)
         clearance = 1e6 * self.result.drive.chain.hinge.clearance
         figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4), ax=ax)
         views = [self.result.hinge(number) for number in numbers]
@@ -138,10 +171,49 @@ class ContactFigures(Figures):
             figure.colorbar(drawn, ax=cells, label="pin / bushing force [N]", shrink=0.8)
         return figure
 
-    def _most_loaded(self, force: str, rows: slice) -> tuple[int, ...]:
+    def _most_loaded(self, part: Literal["hinge", "tooth"], rows: slice) -> tuple[int, ...]:
         """Return the numbers of the two contacts with the largest force in some rows, in order."""
-        largest = self.result.array(force)[rows].max(axis=0, initial=0.0)
+        forces = self._peaks(part, rows)
+        if forces is None:
+            forces = self.result.array(f"{part}_force")[rows]
+        largest = forces.max(axis=0, initial=0.0)
         return tuple(int(k) + 1 for k in np.sort(np.argsort(-largest, kind="stable")[:_SHOWN]))
+
+    def _peaks(self, part: Literal["hinge", "tooth"], rows: slice) -> Array | None:
+        """Return the largest forces between some rows [N], (rows, contacts), where recorded."""
+        names = (f"{part}_force", f"peak_{part}_force")
+        if names[1] not in self.result.arrays:
+            return None
+        arrays = {name: self.result.array(name)[rows] for name in names}
+        return from_first_row(arrays, rows)[names[1]]
+
+    def _wheel_name(self, sprocket: int) -> str:
+        """Return the name of a sprocket or guide by its number, in which guides follow."""
+        toothed = len(self.result.drive.sprockets)
+        return f"sprocket {sprocket}" if sprocket <= toothed else f"guide {sprocket - toothed}"
+
+    def _check_clearance(self) -> None:
+        """Refuse a drive whose hinges are ideal."""
+        hinges = self.result.drive.hinges
+        if hinges == "ideal":
+            msg = (
+                f"ChainDrive.hinges = {shown(hinges)}: the hinges of this drive have neither "
+                "clearance nor penetration: hinge_force and joint_loads draw their forces; "
+                "hinges='clearance' makes contacts of them"
+            )
+            raise InvalidInput(msg)
+
+    def _compliance(self, number: int) -> float:
+        """Return the compliance of the plates in series with a hinge [m/N]; 0 of rigid links.
+
+        It is half of that of each link at the hinge. The body at an end of an open chain is rigid.
+        """
+        drive = self.result.drive
+        stiffness = drive.chain.axial_stiffness
+        if stiffness is None:
+            return 0.0
+        at_end = drive.ends is not None and number in (drive.chain.links, drive.hinge_count)
+        return (0.5 if at_end else 1.0) / stiffness
 
     def _tooth_loops(self, axes: Axes, number: int, rows: slice) -> None:
         """Draw force against penetration of a bushing, coloured by region."""
@@ -169,24 +241,43 @@ class ContactFigures(Figures):
         penetration, force = view.penetration[rows][touching], view.force[rows][touching]
         axes.plot(1e6 * penetration, force, "o", markersize=1.8, color=BLUE)
         if touching.any():
-            depth = np.linspace(0.0, penetration.max(), 200)
+            law, deepest = self.result.hinge_law, penetration.max()
             radii = hinge.pin_radius, hinge.bore_radius
-            law = self.result.hinge_law
             length = chain.strands * hinge.length
-            elastic = _rustchain.law_force(law, "internal", *radii, length, chain.material, depth)
-            axes.plot(
-                1e6 * depth, elastic, color=RED, linewidth=1.0, label=f"{law.elastic}, elastic part"
-            )
+            contact = (law, "internal", *radii, length, chain.material)
+            compliance, label = self._compliance(number), f"{law.elastic}, elastic part"
+            depth = np.linspace(0.0, deepest, 200)
+            if compliance:
+                # The penetration of the contact alone is that part of the total which F/k leaves.
+                total = depth + compliance * _rustchain.law_force(*contact, depth)
+                depth = np.linspace(0.0, np.interp(deepest, total, depth), 200)
+                label += " + F/k of links"
+            elastic = _rustchain.law_force(*contact, depth)
+            total = depth + compliance * elastic
+            axes.plot(1e6 * total, elastic, color=RED, linewidth=1.0, label=label)
         axes.set_title(f"hinge {number}")
 
 
-def _visits(bushing: Bushing, window: slice) -> Iterator[tuple[slice, int, int]]:
-    """Yield each stay in one tooth gap, flights between impacts included: rows, sprocket, gap."""
+def _draw_largest(axes: Axes, time: Array, peaks: Array | None, number: int) -> None:
+    """Draw the largest force of a contact between two rows as a thin line, where recorded."""
+    if peaks is not None:
+        axes.plot(time, peaks[:, number - 1], color=RED, linewidth=0.5, label="largest")
+
+
+def _visits(bushing: Bushing, window: slice) -> Iterator[tuple[slice, slice, int, int]]:
+    """Yield each stay in one tooth gap, flights between impacts included.
+
+    They are its rows, the rows nearer to it than to other stays, sprocket and gap. Impacts between
+    two rows have no gap of their own: they belong to the nearest stay.
+    """
     rows = np.flatnonzero(bushing.sprocket[window]) + window.start
     if rows.size == 0:
         return
     where = np.stack([bushing.sprocket[rows], bushing.tooth[rows]])
     changes = np.flatnonzero((np.diff(where) != 0).any(axis=0)) + 1
-    for stay in np.split(rows, changes):
+    middles = (rows[changes - 1] + rows[changes]) // 2 + 1
+    edges = [window.start, *middles.tolist(), window.stop]
+    for k, stay in enumerate(np.split(rows, changes)):
         rows_of_stay = slice(max(stay[0] - 1, window.start), min(stay[-1] + 2, window.stop))
-        yield rows_of_stay, int(bushing.sprocket[stay[0]]), int(bushing.tooth[stay[0]])
+        nearest = slice(edges[k], edges[k + 1])
+        yield rows_of_stay, nearest, int(bushing.sprocket[stay[0]]), int(bushing.tooth[stay[0]])

@@ -107,7 +107,7 @@ def test_a_figure_can_be_drawn_into_given_axes(name):
 )
 def test_without_numbers_the_two_most_loaded_are_drawn(draw, force, options):
     inside = (RESULT.time >= options.get("start", 0.0)) & (RESULT.time <= options.get("end", 1.0))
-    largest = RESULT.array(force)[inside].max(axis=0)
+    largest = RESULT.array(f"peak_{force}")[inside].max(axis=0)
     first, second = sorted(np.argsort(largest)[-2:] + 1)
     figure = getattr(RESULT.plot, draw)(**options)
     titles = [axes.get_title("left") for axes in figure.axes[:2]]

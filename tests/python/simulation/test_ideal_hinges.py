@@ -116,8 +116,6 @@ def test_every_figure_can_be_drawn(result):
         plot.hinge_force(6),
         plot.tooth_force(6),
         plot.force_penetration(6),
-        plot.force_penetration(6, contact="hinge"),
-        plot.orbit(6),
         plot.tension(),
         plot.energy(),
         plot.drive(time=2e-3),
