@@ -14,7 +14,16 @@ from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, ORANGE, RED
-from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
+from rustchain.plot.style import (
+    Ax,
+    Figures,
+    legend_above,
+    legend_outside,
+    limit_ticks,
+    panels,
+    styled,
+    subplots,
+)
 from rustchain.results.result import Result
 from rustchain.typing import Time
 
@@ -23,12 +32,16 @@ _RATES = {
     "velocity": ("m/s", "rad/s"),
     "acceleration": ("m/s²", "rad/s²"),
 }
+_NAMED = 12  # curves; the legend of more would be higher than some figures
+_LONGEST = 30  # characters of a name in a legend, which would leave no width for the axes
+_RESIDUAL_FLOOR = 1e-20  # drawn for zeros, which a logarithmic axis cannot show; below all rounding
 
 
 class MechanismFigures(Figures):
     """The figures of bodies, and of joints and contacts of mechanisms.
 
-    They are named, one by one or in a list; without a name, all are drawn.
+    They are named, one by one or in a list. Without a name, all are drawn; of a drive, the
+    sprockets and link 1. Above 12 names there is no legend.
     """
 
     @styled
@@ -40,11 +53,14 @@ class MechanismFigures(Figures):
         end: Time = None,
         ax: Ax = None,
     ) -> Figure:
-        """Draw positions of bodies, or their rates, over time: x, y and the angle."""
+        """Draw positions of bodies, or their rates, over time: x, y and the angle.
+
+        Without a name, all bodies of a mechanism are drawn; of a drive, the sprockets and "link_1".
+        """
         if quantity not in _RATES:
             msg = f"quantity = {shown(quantity)}: is none; {suggest(quantity, _RATES)}"
             raise InvalidInput(msg)
-        names = names_of(self.result, "body", bodies)
+        names = _bodies(self.result, bodies)
         rows = rows_between(self.result, start, end)
         figure, cells = subplots(3, 1, sharex=True, ax=ax, figsize=(7.0, 5.2))
         way, turn = _RATES[quantity]
@@ -57,7 +73,7 @@ class MechanismFigures(Figures):
         for axes, label in zip(cells, labels, strict=True):
             axes.set_ylabel(label if quantity == "position" else f"{quantity}, {label}")
         cells[-1].set_xlabel("time [s]")
-        _legend(cells[0])
+        _legend(cells[0], ax)
         figure.align_ylabels()
         return figure
 
@@ -65,17 +81,21 @@ class MechanismFigures(Figures):
     def paths(
         self, *bodies: str | Sequence[str], start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
-        """Draw the ways of the bodies' centres of mass in the plane, with where they end."""
-        names = names_of(self.result, "body", bodies)
+        """Draw the paths of the bodies' centres of mass in the plane, with where they end.
+
+        Without a name, all bodies of a mechanism are drawn; of a drive, the sprockets and "link_1".
+        """
+        names = _bodies(self.result, bodies)
         rows = rows_between(self.result, start, end)
         figure, axes = subplots(ax=ax, figsize=(5.4, 4.6))
         for k, name in enumerate(names):
             way = self.result.body(name).position[rows, :2]
             axes.plot(*way.T, color=_color(k), label=name)
             axes.plot(*way[-1], "o", markersize=3.5, color=_color(k))
+        limit_ticks(axes)
         axes.set(xlabel="x [m]", ylabel="y [m]")
         axes.set_aspect("equal", adjustable="datalim")
-        _legend(axes)
+        _legend(axes, ax)
         return figure
 
     @styled
@@ -106,10 +126,9 @@ class MechanismFigures(Figures):
             ("joint_velocity_residual", "velocities [m/s or rad/s]", ORANGE),
         ):
             worst = self.result.array(name)[rows].max(axis=1)
-            shown = np.maximum(worst, np.finfo(float).tiny)
+            shown = np.maximum(worst, _RESIDUAL_FLOOR)
             axes.semilogy(self.result.time[rows], shown, color=color, label=label)
         axes.set(xlabel="time [s]", ylabel="largest residual")
-        axes.set_ylim(max(axes.get_ylim()[0], 1e-20), None)
         legend_above(axes)
         return figure
 
@@ -128,7 +147,7 @@ def joint_loads_figure(
     upper.set_ylabel("force [N]")
     lower.set_ylabel("torque [N m]")
     lower.set_xlabel("time [s]")
-    _legend(upper)
+    _legend(upper, ax)
     figure.align_ylabels()
     return figure
 
@@ -149,8 +168,13 @@ def force_penetration_figure(
     return figure
 
 
-def names_of(result: Result, part: str, given: tuple[object, ...]) -> tuple[str, ...]:
-    """Return the names that are given, one by one or in lists, which must exist, or all."""
+def names_of(
+    result: Result, part: str, given: tuple[object, ...], default: tuple[str, ...] = ()
+) -> tuple[str, ...]:
+    """Return the names that are given, one by one or in lists, which must exist.
+
+    Without any, the default ones are returned, or all where there are none.
+    """
     names: tuple[str, ...] = getattr(result, f"{part}_names")
     if not names:
         msg = f"{part}: the scene has none to draw"
@@ -162,13 +186,28 @@ def names_of(result: Result, part: str, given: tuple[object, ...]) -> tuple[str,
         if name not in names:
             msg = f"{part}: {shown(name)} is no {part}; {suggest(name, names)}"
             raise InvalidInput(msg)
-    return tuple(wanted) or names
+    return tuple(wanted) or default or names
+
+
+def _bodies(result: Result, given: tuple[object, ...]) -> tuple[str, ...]:
+    """Return the names of bodies that are given; of a drive by default sprockets and a link."""
+    default: tuple[str, ...] = ()
+    if result.scene.kind != "mechanism":
+        default = ("link_1", *(f"sprocket_{k + 1}" for k in range(len(result.drive.sprockets))))
+    return names_of(result, "body", given, default)
 
 
 def _color(k: int) -> str:
     return CYCLE[k % len(CYCLE)]
 
 
-def _legend(axes: Axes) -> None:
-    """Name the curves beside the axes, where a long list has room."""
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)
+def _legend(axes: Axes, ax: Ax) -> None:
+    """Name the curves beside the figure or the given axes, unless there are too many of them."""
+    handles, labels = axes.get_legend_handles_labels()
+    if len(labels) > _NAMED:
+        return
+    labels = [f"{name[: _LONGEST - 1]}…" if len(name) > _LONGEST else name for name in labels]
+    if ax is None:
+        axes.figure.legend(handles, labels, loc="outside right upper")
+        return
+    axes.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)

@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import Collection
 from matplotlib.colors import to_hex, to_rgba, to_rgba_array
 from matplotlib.figure import Figure
+from matplotlib.ticker import AutoLocator
 
 from rustchain.arguments import checked, shown
 from rustchain.errors import InvalidInput
@@ -167,11 +168,21 @@ def panels(
     for axes in cells[count:]:
         axes.remove()
     for axes in cells[:count]:
+        limit_ticks(axes)
         axes.set_xlabel(x)
         axes.tick_params(labelbottom=True)
     for axes in grid[:, 0]:
         axes.set_ylabel(y)
     return figure, cells[:count]
+
+
+def limit_ticks(axes: Axes) -> None:
+    """Set at most five ticks on the horizontal axis: labels of more overlap in narrow axes.
+
+    Ticks that a user set in given axes stay.
+    """
+    if type(axes.xaxis.get_major_locator()) is AutoLocator:
+        axes.locator_params(axis="x", nbins=4)  # intervals
 
 
 def legend_outside(
