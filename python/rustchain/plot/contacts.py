@@ -243,16 +243,19 @@ class ContactFigures(Figures):
         if touching.any():
             law, deepest = self.result.hinge_law, penetration.max()
             radii = hinge.pin_radius, hinge.bore_radius
-            length = chain.strands * hinge.length
-            contact = (law, "internal", *radii, length, chain.material)
+            length, material = chain.strands * hinge.length, chain.material
             compliance, label = self._compliance(number), f"{law.elastic}, elastic part"
+
+            def elastic_force(depth: Array) -> Array:
+                return _rustchain.law_force(law, "internal", *radii, length, material, depth)
+
             depth = np.linspace(0.0, deepest, 200)
             if compliance:
                 # The penetration of the contact alone is that part of the total which F/k leaves.
-                total = depth + compliance * _rustchain.law_force(*contact, depth)
+                total = depth + compliance * elastic_force(depth)
                 depth = np.linspace(0.0, np.interp(deepest, total, depth), 200)
                 label += " + F/k of links"
-            elastic = _rustchain.law_force(*contact, depth)
+            elastic = elastic_force(depth)
             total = depth + compliance * elastic
             axes.plot(1e6 * total, elastic, color=RED, linewidth=1.0, label=label)
         axes.set_title(f"hinge {number}")

@@ -44,6 +44,8 @@ _STYLE: dict[str, Any] = {
     "figure.dpi": 150,
 }
 
+_NARROW = 4.5  # width of axes [in] in which nine labels such as 0.0025 overlap
+
 _theme: Theme = "light"
 
 
@@ -177,12 +179,13 @@ def panels(
 
 
 def limit_ticks(axes: Axes) -> None:
-    """Set at most five ticks on the horizontal axis: labels of more overlap in narrow axes.
+    """Set three to five ticks on the horizontal axis where labels of more would overlap.
 
     Ticks that a user set in given axes stay.
     """
-    if type(axes.xaxis.get_major_locator()) is AutoLocator:
-        axes.locator_params(axis="x", nbins=4)  # intervals
+    narrow = axes.bbox.width / axes.figure.dpi < _NARROW
+    if narrow and type(axes.xaxis.get_major_locator()) is AutoLocator:
+        axes.locator_params(axis="x", nbins=4, min_n_ticks=3)  # 4 intervals
 
 
 def legend_outside(

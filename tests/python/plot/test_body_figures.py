@@ -94,7 +94,7 @@ def test_labels_of_ticks_do_not_overlap(draw):
     for axes in figure.axes:
         low, high = axes.get_xlim()
         ticks = [each for each in axes.xaxis.get_major_ticks() if low <= each.get_loc() <= high]
-        assert 2 <= len(ticks) <= 5
+        assert 3 <= len(ticks) <= 5
         boxes = [each.label1.get_window_extent() for each in ticks]
         assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
 
