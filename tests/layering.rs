@@ -1,7 +1,8 @@
-//! The direction of imports between the folders of `src`, as docs/development/architecture.md states it.
+//! The direction of imports between the folders of `src`, as docs/development/architecture.md states it, and between files.
 
 #![allow(clippy::unwrap_used)]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -132,4 +133,186 @@ fn an_import_against_the_direction_is_found() {
     let text = "use crate::chain::rhs::Kernels;\nuse crate::chain::Groups;\n";
     let names: Vec<String> = imported(text, "crate::chain::").collect();
     assert_eq!(names, ["rhs", "Groups"]);
+}
+
+/// Imports of each module, by its path from the root of the crate; those of its own parents are left out.
+type Imports = BTreeMap<Vec<String>, BTreeSet<Vec<String>>>;
+
+/// Path of the module in a file, from the root of the crate.
+fn module_of(relative: &Path) -> Vec<String> {
+    let names = relative.with_extension("");
+    let mut names: Vec<String> = names
+        .iter()
+        .map(|name| name.to_str().unwrap().to_string())
+        .collect();
+    if names.last().is_some_and(|name| name == "mod") {
+        names.pop();
+    }
+    names
+}
+
+/// What stands behind `use` in a text.
+fn imported_trees(text: &str) -> Vec<String> {
+    let mut lines = text.lines().map(str::trim);
+    let mut found = Vec::new();
+    while let Some(line) = lines.next() {
+        let begins = line.starts_with("use ") || line.starts_with("pub");
+        let Some((_, tree)) = line.split_once("use ").filter(|_| begins) else {
+            continue;
+        };
+        let mut tree = tree.to_string();
+        while !tree.ends_with(';') {
+            tree.push_str(lines.next().unwrap());
+        }
+        found.push(tree.trim_end_matches(';').to_string());
+    }
+    found
+}
+
+/// Paths that a tree of imports such as `a::{b, c::{d, e}}` has.
+fn paths(tree: &str) -> Vec<String> {
+    let Some((before, rest)) = tree.split_once('{') else {
+        return vec![tree.trim().to_string()];
+    };
+    let inside = rest.rsplit_once('}').unwrap().0;
+    let (mut depth, mut parts) = (0, vec![String::new()]);
+    for c in inside.chars() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            _ => {}
+        }
+        if c == ',' && depth == 0 {
+            parts.push(String::new());
+        } else {
+            parts.last_mut().unwrap().push(c);
+        }
+    }
+    let parts = parts.iter().filter(|part| !part.trim().is_empty());
+    parts
+        .flat_map(|part| paths(part))
+        .map(|path| format!("{}{path}", before.trim()))
+        .collect()
+}
+
+/// Module that a path of an import in `module` names, the longest that `exists`.
+fn resolved(
+    module: &[String],
+    path: &str,
+    exists: impl Fn(&[String]) -> bool,
+) -> Option<Vec<String>> {
+    let mut steps = path.split("::").map(str::trim).peekable();
+    let mut at = match *steps.peek()? {
+        "crate" => Vec::new(),
+        "super" | "self" => module.to_vec(),
+        // A module of this one, or another crate.
+        _ => module.to_vec(),
+    };
+    for step in steps {
+        match step {
+            "crate" | "self" => {}
+            "super" => {
+                at.pop();
+            }
+            name => at.push(name.to_string()),
+        }
+    }
+    while !at.is_empty() && !exists(&at) {
+        at.pop();
+    }
+    (!at.is_empty()).then_some(at)
+}
+
+fn imports_between_files(root: &Path) -> Imports {
+    let mut files = Vec::new();
+    rust_files(root, &mut files);
+    let modules: BTreeMap<Vec<String>, &PathBuf> = files
+        .iter()
+        .map(|file| (module_of(file.strip_prefix(root).unwrap()), file))
+        .filter(|(module, _)| !module.contains(&"tests".to_string()))
+        .collect();
+    let mut imports = Imports::new();
+    for (module, file) in &modules {
+        let text = fs::read_to_string(file).unwrap();
+        let text = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+        let found = imports.entry(module.clone()).or_default();
+        for tree in imported_trees(text) {
+            for path in paths(&tree) {
+                let exists = |at: &[String]| modules.contains_key(at);
+                if let Some(other) = resolved(module, &path, exists)
+                    && !module.starts_with(&other)
+                    // What a module hands on of its own parts.
+                    && !other.starts_with(module)
+                {
+                    found.insert(other);
+                }
+            }
+        }
+    }
+    imports
+}
+
+/// Modules that import each other in a circle, if there are any.
+fn circle(imports: &Imports) -> Option<Vec<String>> {
+    fn visit<'a>(
+        module: &'a Vec<String>,
+        imports: &'a Imports,
+        open: &mut Vec<&'a Vec<String>>,
+        done: &mut BTreeSet<&'a Vec<String>>,
+    ) -> Option<Vec<String>> {
+        if let Some(begin) = open.iter().position(|other| *other == module) {
+            return Some(open[begin..].iter().map(|names| names.join("/")).collect());
+        }
+        if !done.insert(module) {
+            return None;
+        }
+        open.push(module);
+        let others = imports.get(module).into_iter().flatten();
+        let found = others
+            .filter_map(|other| visit(other, imports, open, done))
+            .next();
+        open.pop();
+        found
+    }
+    let mut done = BTreeSet::new();
+    imports
+        .keys()
+        .find_map(|module| visit(module, imports, &mut Vec::new(), &mut done))
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let imports = imports_between_files(&root);
+    let count: usize = imports.values().map(BTreeSet::len).sum();
+    assert!(count > 800, "only {count} imports found");
+    assert_eq!(circle(&imports), None);
+}
+
+#[test]
+fn a_circle_of_imports_is_found() {
+    assert_eq!(
+        paths("a::{b, c::{d, e::F}, g}"),
+        ["a::b", "a::c::d", "a::c::e::F", "a::g"]
+    );
+    let names = |path: &str| -> Vec<String> { path.split('/').map(str::to_string).collect() };
+    let exists = |at: &[String]| ["a", "a/b", "c"].contains(&at.join("/").as_str());
+    for (path, expected) in [
+        ("super::b::Thing", Some("a/b")),
+        ("crate::c::function", Some("c")),
+        ("super::super::c", Some("c")),
+    ] {
+        let found = resolved(&names("a/x"), path, exists);
+        assert_eq!(found, expected.map(names), "{path}");
+    }
+    let of = |edges: &[(&str, &str)]| {
+        let mut imports = Imports::new();
+        for (from, to) in edges {
+            imports.entry(names(from)).or_default().insert(names(to));
+        }
+        circle(&imports)
+    };
+    assert_eq!(of(&[("a", "b"), ("a", "c"), ("b", "c")]), None);
+    let found = of(&[("a", "b"), ("b", "c"), ("c", "d"), ("d", "b")]).unwrap();
+    assert_eq!(found, ["b", "c", "d"]);
 }
