@@ -6,18 +6,22 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from matplotlib.colors import LogNorm
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm, to_hex
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from rustchain.arguments import finite_number, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.plot.colors import BLUE, GREY, PAPER, RED
+from rustchain.plot.colors import BLUE, CYCLE, GREY, PAPER, RED
 from rustchain.plot.style import Ax, panels, styled, subplots
 from rustchain.typing import Array, Time
 
 _UNITS = {"speed": "rad/s", "pretension": "N", "torque": "N m", "restitution": "1"}  # of axes
 _PANELS = 9  # of a map
+_ENTRY = 1.2  # [in] that an entry of a legend takes
 _BIN = 0.5  # [orders] that are one column of a waterfall
 _ORDERS = {  # scale and label of the amplitudes
     "transmission_error": (1e6, "amplitude [µm]"),
@@ -56,19 +60,23 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
         counts = [samples.sizes[axis] for axis in axes_of_study] if rows else []
         cases = (dict(zip(axes_of_study, place, strict=True)) for place in np.ndindex(*counts))
         panes += [(name, case) for case in cases] if rows else [(name, {})]
-    figure, cells = panels(len(panes), over, "", size=(3.4, 2.6), share=False, ax=ax)
+    figure, cells = panels(len(panes), _named(over), "", size=(3.4, 2.6), share=False, ax=ax)
+    titles: list[str] = []
     for axes, (name, case) in zip(cells, panes, strict=True):
         values, found = samples[name].isel(case), statistics[name].isel(case)
-        title = ", ".join(f"{axis} {values[axis].item()}" for axis in case)
+        title = ", ".join(f"{axis} {_told(values[axis].item())}" for axis in case)
+        titles.append("")
         if _own(values, study):
             _row(axes, values, found)
         elif over == "run":
             axes.plot(values["run"], values, "o", color=GREY, markersize=3.0)
             for end, style in (("mean", "-"), ("low", "--"), ("high", "--")):
                 axes.axhline(float(found.sel(statistic=end)), color=BLUE, linestyle=style)
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         else:
-            _over_axis(axes, values, found, over)
+            titles[-1] = _over_axis(axes, values, found, over)
         axes.set_title(f"{name}: {title}" if title else name)
+    _legends(figure, cells, titles, ax)
     return figure
 
 
@@ -82,10 +90,19 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
         msg = "sweep: nothing that was measured is a number of each case"
         raise InvalidInput(msg)
     figure, cells = panels(len(names), _named(over), "", size=(3.4, 2.6), share=False, ax=ax)
+    titles = []
     for axes, name in zip(cells, names, strict=True):
-        values = measured[name].transpose(over, ...)
-        axes.plot(values[over], values.to_numpy().reshape(len(values), -1), "o-", markersize=3.0)
+        values = measured[name]
+        others = [str(dim) for dim in values.dims if dim != over]
+        lines = values.stack(_other=others) if others else values.expand_dims(_other=[""])
+        x = _places(axes, values[over].to_numpy())
+        looks = _looks(lines["_other"].to_numpy() if others else None)
+        for k, (color, label) in enumerate(looks):
+            line = lines.isel(_other=k).to_numpy()
+            axes.plot(x, line, "o-", markersize=3.0, color=color, label=label)
         axes.set_title(name)
+        titles.append(", ".join(map(_named, others)))
+    _legends(figure, cells, titles, ax)
     return figure
 
 
@@ -106,49 +123,115 @@ def _row(axes: Any, values: xr.DataArray, found: xr.DataArray) -> None:  # noqa:
     axes.set_xlabel("place in the row")
 
 
-def _over_axis(axes: Any, values: xr.DataArray, found: xr.DataArray, over: str) -> None:  # noqa: ANN401
-    """Draw runs and intervals over the values of an axis, one line for each of the others."""
-    label = found[over].to_numpy()
-    numeric = np.issubdtype(label.dtype, np.number)
-    x = label.astype(float) if numeric else np.arange(len(label), dtype=float)
-    others = [dim for dim in found.dims if dim not in (over, "statistic")]
-    rows = found.stack(other=others) if others else found.expand_dims(other=[""])
-    every = values.stack(other=others) if others else values.expand_dims(other=[""])
-    for k in range(rows.sizes["other"]):
-        line = rows.isel(other=k).transpose(over, "statistic")
+def _over_axis(axes: Axes, values: xr.DataArray, found: xr.DataArray, over: str) -> str:
+    """Draw runs and intervals over the values of an axis, one line for each of the others.
+
+    Returns the names of the other axes, the title of the legend.
+    """
+    x = _places(axes, found[over].to_numpy())
+    others = [str(dim) for dim in found.dims if dim not in (over, "statistic")]
+    rows = found.stack(_other=others) if others else found.expand_dims(_other=[""])
+    every = values.stack(_other=others) if others else values.expand_dims(_other=[""])
+    for k, (color, label) in enumerate(_looks(rows["_other"].to_numpy() if others else None)):
+        line = rows.isel(_other=k).transpose(over, "statistic")
         mean, low, high = (line.sel(statistic=end).to_numpy() for end in ("mean", "low", "high"))
-        dots = every.isel(other=k).transpose(over, "run").to_numpy()
+        dots = every.isel(_other=k).transpose(over, "run").to_numpy()
         axes.plot(np.repeat(x, dots.shape[1]), dots.ravel(), "o", color=GREY, markersize=2.0)
-        name = ", ".join(map(str, np.atleast_1d(rows["other"].to_numpy()[k]))) if others else None
-        axes.errorbar(x, mean, (mean - low, high - mean), capsize=3.0, marker="o", label=name)
-    if not numeric:
-        axes.set_xticks(x, label)
-    if others:
-        axes.legend()
+        errors = (mean - low, high - mean)
+        axes.errorbar(
+            x, mean, errors, capsize=3.0, marker="o", markersize=4.0, color=color, label=label
+        )
+    return ", ".join(map(_named, others))
+
+
+def _places(axes: Axes, values: Any) -> Array:  # noqa: ANN401
+    """Return where the values of an axis stand: numbers as they are, others in a row, named."""
+    if np.issubdtype(values.dtype, np.number):
+        numbers: Array = values.astype(float)
+        return numbers
+    row = np.arange(len(values), dtype=float)
+    axes.set_xticks(row, [_told(value) for value in values])
+    return row
+
+
+def _looks(cases: Any) -> list[tuple[str, str | None]]:  # noqa: ANN401
+    """Return colour and label of each line; `cases` are values of other axes, None: one line.
+
+    Of more lines than there are colours, the colours go from dark to light and some have a label.
+    """
+    if cases is None:
+        return [(BLUE, None)]
+    labels: list[str | None] = [
+        ", ".join(map(_told, case)) if isinstance(case, tuple) else _told(case) for case in cases
+    ]
+    if len(labels) <= len(CYCLE):
+        return list(zip(CYCLE, labels, strict=False))
+    named = set(np.linspace(0, len(labels) - 1, len(CYCLE)).round().astype(int).tolist())
+    colors = colormaps["viridis"](np.linspace(0.0, 0.9, len(labels)))
+    return [(to_hex(colors[k]), label if k in named else None) for k, label in enumerate(labels)]
+
+
+def _legends(figure: Figure, cells: Sequence[Axes], titles: Sequence[str], ax: Ax) -> None:
+    """Name the lines of panels: once above the figure where all have the same ones, with a title.
+
+    Panels without a title have one line.
+    """
+    keys = [axes.get_legend_handles_labels() for axes in cells]
+    alike = all(titles) and all(labels == keys[0][1] for _, labels in keys)
+    if ax is None and alike and len(set(titles)) == 1:
+        handles, labels = keys[0]
+        columns = max(1, int(figure.get_figwidth() / _ENTRY))
+        figure.legend(
+            handles, labels, title=titles[0], loc="outside upper left", alignment="left",
+            ncols=min(columns, len(labels)), title_fontsize=8.0,
+        )  # fmt: skip
+        return
+    for axes, title in zip(cells, titles, strict=True):
+        if title:
+            axes.legend(title=title, title_fontsize=8.0)
 
 
 @styled
 def draw_loss_map(losses: xr.Dataset, *, ax: Ax = None) -> Figure:
-    """Draw efficiency and power lost over speed and load, from what `rustchain.loss_map` found."""
+    """Draw efficiency and power lost over speed and load, from what `rustchain.loss_map` found.
+
+    At one speed or one load, they are drawn as curves over the other.
+    """
     names = set(map(str, losses.variables)) if type(losses).__name__ == "Dataset" else set()
     if not {"speed", "torque", "efficiency", "lost"} <= names:
         msg = f"draw_loss_map(losses): got {shown(losses)}; expected what loss_map returned"
         raise InvalidInput(msg)
-    figure, cells = subplots(1, 2, ax=ax, figsize=(8.0, 3.2), sharey=True)
-    speed, torque = losses["speed"].to_numpy(), losses["torque"].to_numpy()
+    speed, load = losses["speed"].to_numpy(), np.abs(losses["torque"].to_numpy())
+    area = min(len(speed), len(load)) > 1
+    figure, cells = subplots(1, 2, ax=ax, figsize=(8.0, 3.2), sharey=area)
     for axes, name, scale, label in (
         (cells[0], "efficiency", 100.0, "efficiency [%]"),
         (cells[1], "lost", 1.0, "power lost [W]"),
     ):
         values = scale * losses[name].transpose("torque", "speed").to_numpy()
-        if min(values.shape) > 1:
-            filled = axes.contourf(speed, np.abs(torque), values, levels=12, cmap="viridis")
-            figure.colorbar(filled, ax=axes)
-        axes.plot(*np.meshgrid(speed, np.abs(torque)), ".", color=RED, markersize=2.5)
-        axes.set(xlabel="speed of the driver [rad/s]", title=label)
+        axes.set_title(label)
+        if not area:
+            _losses_along(axes, speed, load, values.ravel())
+            continue
+        filled = axes.contourf(speed, load, values, levels=12, cmap="viridis")
+        figure.colorbar(filled, ax=axes)
+        axes.plot(*np.meshgrid(speed, load), ".", color=RED, markersize=2.5)
+        axes.set_xlabel("speed of the driver [rad/s]")
         axes.grid(visible=False)
-    cells[0].set_ylabel("load [N m]")
+    if area:
+        cells[0].set_ylabel("load [N m]")
     return figure
+
+
+def _losses_along(axes: Axes, speed: Array, load: Array, values: Array) -> None:
+    """Draw a loss over the load at one speed, or over the speed at one load."""
+    if len(speed) > 1:
+        x, label, at = speed, "speed of the driver [rad/s]", f"load {load[0]:.4g} N m"
+    else:
+        x, label, at = load, "load [N m]", f"speed {speed[0]:.4g} rad/s"
+    axes.plot(x, values, "o-", color=BLUE, markersize=3.0, label=at)
+    axes.set_xlabel(label)
+    axes.legend()
 
 
 @styled

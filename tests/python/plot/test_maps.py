@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 import rustchain as rc
-from rustchain.plot import draw_map, draw_waterfall
+from rustchain.plot import draw_loss_map, draw_map, draw_waterfall
+from rustchain.plot.colors import CYCLE
+from rustchain.plot.studies import draw_study, draw_sweep
 from rustchain.sweeps.result import SweepResult
 
 RESULT = rc.Simulation(rc.paper_drive(25.0)).run(
@@ -88,6 +91,90 @@ def test_a_map_has_the_measured_numbers_and_a_cross_where_a_case_failed():
     np.testing.assert_array_equal(crosses.get_xydata(), [[1.5, 1.5]])
     assert axes.get_xlabel() == "pretension [N]"
     assert [label.get_text() for label in axes.get_yticklabels()] == ["5", "10"]
+
+
+def legend_of(figure):
+    (legend,) = figure.legends
+    return legend.get_title().get_text(), [text.get_text() for text in legend.get_texts()]
+
+
+def test_the_lines_of_a_sweep_over_two_axes_have_a_legend():
+    figure = draw_sweep(campaign())
+    assert legend_of(figure) == ("speed [rad/s]", ["5", "10"])
+    assert [line.get_color() for line in figure.axes[0].lines] == list(CYCLE[:2])
+    np.testing.assert_array_equal(figure.axes[0].lines[1].get_ydata(), [10.0, np.nan, 510.0])
+    drawn = Figure().subplots()
+    draw_sweep(campaign(), ax=drawn)
+    assert drawn.get_legend().get_title().get_text() == "speed [rad/s]"
+
+
+def test_of_many_lines_of_a_sweep_some_are_named():
+    axes = {"pretension": (0.0, 25.0), "speed": tuple(np.arange(30.0))}
+    cases = [{"pretension": p, "speed": s} for p in axes["pretension"] for s in axes["speed"]]
+    figure = draw_sweep(SweepResult(cases, axes, [c["speed"] for c in cases]))
+    assert len(figure.axes[0].lines) == len({line.get_color() for line in figure.axes[0].lines})
+    title, labels = legend_of(figure)
+    assert (title, len(labels), labels[0], labels[-1]) == ("speed [rad/s]", len(CYCLE), "0", "29")
+
+
+def test_a_sweep_over_one_axis_has_no_legend():
+    axes = {"speed": (5.0, 10.0)}
+    cases = [{"speed": 5.0}, {"speed": 10.0}]
+    figure = draw_sweep(SweepResult(cases, axes, [1.0, 2.0]))
+    assert not figure.legends
+    assert figure.axes[0].get_legend() is None
+    assert figure.axes[0].get_xlabel() == "speed [rad/s]"
+
+
+@pytest.fixture(scope="module")
+def study():
+    return rc.study(
+        rc.paper_drive(),
+        lambda result: {"tension": result.strand("upper").tension.mean(), "end": result.time[-1]},
+        axes={"pretension": [0.0, 25.0], "speed": [10.0, 12.566370614359172]},
+        runs=2,
+        duration=1e-3,
+        burn_in=0.0,
+        progress=False,
+    )
+
+
+def test_a_study_names_its_axes_with_units_and_its_lines_above_the_panels(study):
+    figure = draw_study(study, ())
+    assert legend_of(figure) == ("speed [rad/s]", ["10", "12.57"])
+    for axes in figure.axes:
+        assert axes.get_xlabel() == "pretension [N]"
+        assert [bars.lines[0].get_color() for bars in axes.containers] == list(CYCLE[:2])
+    figure.draw_without_rendering()
+    (legend,) = figure.legends
+    assert not any(legend.get_window_extent().overlaps(axes.bbox) for axes in figure.axes)
+
+
+def test_runs_of_a_study_have_whole_numbers():
+    study = rc.study(
+        rc.paper_drive(), lambda result: result.time[-1],
+        runs=3, duration=1e-3, burn_in=0.0, progress=False,
+    )  # fmt: skip
+    (axes,) = draw_study(study, ()).axes
+    ticks = axes.get_xticks()
+    np.testing.assert_array_equal(ticks, ticks.round())
+
+
+@pytest.mark.parametrize(("speeds", "loads"), [([20.0], [-1.0, -3.0]), ([20.0, 60.0], [-2.0])])
+def test_losses_at_one_speed_or_one_load_are_curves(speeds, loads):
+    shape = (len(speeds), len(loads))
+    losses = xr.Dataset(
+        {
+            "efficiency": (("speed", "torque"), np.full(shape, 0.97)),
+            "lost": (("speed", "torque"), np.arange(2.0).reshape(shape)),
+        },
+        {"speed": speeds, "torque": loads},
+    )
+    figure = draw_loss_map(losses)
+    (line,) = figure.axes[1].lines
+    np.testing.assert_array_equal(line.get_ydata(), [0.0, 1.0])
+    (told,) = figure.axes[1].get_legend().get_texts()
+    assert told.get_text() == ("speed 20 rad/s" if len(speeds) == 1 else "load 2 N m")
 
 
 def test_a_map_of_what_was_not_measured_is_refused():

@@ -273,8 +273,8 @@ def test_rows_of_numbers_of_any_lengths_have_tables_and_figures():
         study.plot("d")
     two = rc.study(rc.paper_drive(), lambda _: np.arange(3.0), axes={"speed": [9.0, 10.0]}, **BRIEF)
     assert [axes.get_title("left") for axes in two.plot().axes] == [
-        "value: speed 9.0",
-        "value: speed 10.0",
+        "value: speed 9",
+        "value: speed 10",
     ]
     plt.close("all")
 
