@@ -13,6 +13,7 @@ from rustchain.analysis.circuit import Circuit
 from rustchain.analysis.window import rows_between
 from rustchain.plot.between_rows import round_number
 from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
+from rustchain.plot.finish import finished, is_empty, note
 from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
 from rustchain.typing import Array, Time
 
@@ -74,6 +75,9 @@ class LoadFigures(Figures):
         right.bar(tooth, found["tooth_mean"], color=BLUE, label="mean")
         right.set(xlabel=f"gap of sprocket {sprocket}", ylabel="force over a revolution [N]")
         legend_above(right)
+        if is_empty(found["tooth_largest"]):
+            right.set_yticks([])
+            note(right, "no force in this part")
         return figure
 
     @styled
@@ -163,7 +167,7 @@ class LoadFigures(Figures):
         left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
         legend_above(left)
         _cycles(right, cycles)
-        return figure
+        return finished(figure)
 
     @styled
     def pressure_cycles(
@@ -208,7 +212,10 @@ class LoadFigures(Figures):
             right.plot(found["time"], found["force"], color=BLUE, linewidth=0.6)
             right.axhline(found.attrs["mean_force"], color=GREY, linestyle="--")
             right.set(xlabel="time [s]", ylabel="force of all [N]", ylim=(0.0, None))
-        return figure
+            if is_empty(found["largest"]):
+                right.set_yticks([])
+                note(right, "no contact with the guide in this part")
+        return finished(figure)
 
     @styled
     def engagements(
@@ -235,15 +242,26 @@ class LoadFigures(Figures):
         figure.align_ylabels()
         if len(found):
             legend_above(axes[0])
+            return figure
+        time = self.result.time[rows_between(self.result, start, end)]
+        for cell in axes:
+            cell.set_yticks([])
+            note(cell, "no impacts in this part")
+        if len(time) > 1:
+            axes[1].set_xlim(time[0], time[-1])
+        else:
+            axes[1].set_xticks(time)
         return figure
 
 
 def _band(axes: Axes, x: object, found: xr.Dataset, of: str = "") -> None:
-    """Draw mean, the band between two quantiles, and the largest value."""
+    """Draw mean, the band between two quantiles, and the largest value; say where there is none."""
     low, high = (found["quantiles"].isel(quantile=k) for k in (0, -1))
     axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label=f"{of}5 to 95 %")  # type: ignore[arg-type]
     axes.plot(x, found["mean"], color=BLUE, label=f"{of}mean")  # type: ignore[arg-type]
     axes.plot(x, found["largest"], color=RED, linewidth=0.6, label=f"{of}largest")  # type: ignore[arg-type]
+    if is_empty(found["largest"]):
+        note(axes, "no force in this part")
 
 
 def _around(angle: Array, force: Array, most: float) -> Array:
@@ -263,4 +281,11 @@ def _cycles(axes: Axes, cycles: xr.Dataset) -> None:
     axes.set(xlabel="range of the pressure [MPa] or more", xlim=(0.0, None))
     if mean.any():
         axes.set_yscale("log")
-    axes.set_ylabel(f"cycles of a {part} per revolution")
+    else:
+        axes.set_yticks([])
+        note(axes, "no cycles in this part")
+    label = f"cycles of a {part} per revolution"
+    turns = cycles.attrs["revolutions"]
+    if turns < 1.0:
+        label += f",\nextrapolated from {turns:.2g} revolutions"
+    axes.set_ylabel(label)

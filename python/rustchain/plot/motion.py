@@ -14,6 +14,7 @@ from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
+from rustchain.plot.finish import finished, note
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
 
@@ -43,7 +44,7 @@ class MotionFigures(Figures):
         error = found.attrs["peak_to_peak"]  # none before anything touches
         radius = found.attrs["peak_to_peak_length"] / error if error > 0.0 else 0.0
         _orders(right, found, 1e6 * radius, "amplitude [µm]", driver)
-        return figure
+        return finished(figure)
 
     @styled
     def speed_ripple(
@@ -56,7 +57,7 @@ class MotionFigures(Figures):
         left.axhline(found.attrs["mean"], color=GREY, linestyle="--")
         left.set(xlabel="time [s]", ylabel=f"speed of sprocket {sprocket} [rad/s]")
         _orders(right, found, 100.0, "amplitude of the ripple [%]", sprocket)
-        return figure
+        return finished(figure)
 
     @styled
     def strand_motion(
@@ -80,7 +81,7 @@ class MotionFigures(Figures):
             axes.set(ylabel=f"strand {motion.attrs['strand']}, outward [mm]")
         legend_above(cells[0, 0])
         cells[-1, 0].set(xlabel="time [s]")
-        return figure
+        return finished(figure)
 
     @styled
     def strand_spectrum(
@@ -226,17 +227,34 @@ def _bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> None:
             fontsize=8.0,
         )
     axes.invert_yaxis()
+    # Numbers on both sides need room on both, also where no bar goes beyond zero.
+    axes.use_sticky_edges = min(powers) >= 0.0 or max(powers) < 0.0
     axes.margins(x=0.25)
     axes.axvline(0.0, color=GREY, linewidth=0.7)
 
 
 def _orders(axes: Axes, found: xr.Dataset, scale: float, label: str, number: int) -> None:
-    """Draw amplitudes by order, the teeth's orders marked."""
+    """Draw amplitudes by order, the teeth's orders marked.
+
+    Of less than one revolution, the few orders are points, and their distance is said.
+    """
     tooth = found.attrs["tooth_order"]
     order, amplitude = found["order"].to_numpy(), scale * found["amplitude"].to_numpy()
     shown = (order > 0.0) & (order <= 4.5 * tooth)
-    axes.plot(order[shown], amplitude[shown], color=BLUE)
-    for multiple in range(1, 5):
+    resolution = float(order[1])
+    few = resolution > 1.0
+    axes.plot(order[shown], amplitude[shown], "o-" if few else "-", color=BLUE, markersize=3.0)
+    if few:
+        turned = f"{1.0 / resolution:.2g} revolutions"
+        if shown.any():
+            axes.set_title(
+                f"{turned}: an amplitude each {resolution:.3g} orders",
+                fontsize=8.0, fontweight="normal", color=GREY,
+            )  # fmt: skip
+        else:
+            axes.set_yticks([])
+            note(axes, f"{turned}: too few for these orders")
+    for multiple in range(1, 5) if shown.any() else ():
         axes.axvline(multiple * tooth, color=GREY, linestyle="--", linewidth=0.7)
     axes.set(xlabel=f"order, per revolution of sprocket {number}", ylabel=label)
     axes.set(xlim=(0.0, 4.5 * tooth), ylim=(0.0, None))

@@ -167,3 +167,89 @@ def test_the_power_balance_of_a_drive_without_dashpots_draws_none_of_them():
         assert float(loss.sel(channel="dashpots")) == 0.0
         axes = part.plot.power_balance().axes[1]
         assert "dashpots" not in [label.get_text() for label in axes.get_yticklabels()]
+
+
+# --- what is not there is said
+
+
+def texts_of(axes):
+    return [text.get_text() for text in axes.texts]
+
+
+@pytest.fixture(scope="module")
+def brief():
+    """A drive that hardly turned, with a rail that the chain does not touch."""
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", (17, 17), links=60, center_distance=0.2715, speed=10.0, torque=-1.0
+    )
+    drive = replace(drive, guides=[rc.GuideRail((0.136, 0.09), (0.0, -1.0), length=0.1)])
+    groups = ("hinges", "teeth", "sprockets", "bodies", "energy")
+    return rc.Simulation(drive).run(2e-3, record=groups, progress=False)
+
+
+@pytest.fixture(scope="module")
+def one_row():
+    return rc.Simulation(rc.paper_drive(25.0)).run(
+        0.01, progress=False, record=("hinges", "teeth", "sprockets", "bodies", "energy"),
+        callback=lambda simulation: True,
+    )  # fmt: skip
+
+
+def test_a_part_without_impacts_says_so_over_its_own_time(brief):
+    axes = brief.plot.engagements(end=1e-4).axes
+    assert [texts_of(each) for each in axes] == [["no impacts in this part"]] * 2
+    assert axes[1].get_xlim() == pytest.approx((0.0, 1e-4))
+
+
+def test_a_guide_without_contact_and_parts_without_force_say_so(brief, one_row):
+    left, right = brief.plot.guide_loads(1).axes
+    assert texts_of(left) == ["no force in this part"]
+    assert texts_of(right) == ["no contact with the guide in this part"]
+    for figure in (one_row.plot.hinge_loads(), one_row.plot.tooth_loads()):
+        assert "no force in this part" in texts_of(figure.axes[0])
+
+
+def test_orders_of_a_part_of_a_revolution_are_points_with_their_distance(brief):
+    _, right = RESULT.plot.transmission_error().axes
+    assert right.get_title("left").endswith("orders")
+    assert "revolutions: an amplitude each" in right.get_title("left")
+    assert right.lines[0].get_marker() == "o"
+    for draw in ("transmission_error", "speed_ripple"):
+        _, right = getattr(brief.plot, draw)().axes
+        assert texts_of(right)[0].endswith("revolutions: too few for these orders")
+
+
+def test_cycles_of_a_part_of_a_revolution_are_called_extrapolated():
+    turns = RESULT.pressure_cycles().attrs["revolutions"]
+    for figure in (RESULT.plot.pressure_cycles(), RESULT.plot.contact_pressure()):
+        labels = [axes.get_ylabel() for axes in figure.axes]
+        assert any(f"extrapolated from {turns:.2g} revolutions" in label for label in labels)
+
+
+def test_a_single_row_is_a_marker(one_row):
+    for figure in (one_row.plot.tension(), one_row.plot.energy()):
+        curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 1]
+        assert curves
+        assert {line.get_marker() for line in curves} == {"o"}
+    assert {line.get_marker() for line in RESULT.plot.tension().axes[0].lines} == {"None"}
+
+
+def test_numbers_of_a_power_balance_are_inside_the_axes():
+    figure = RESULT.plot.power_balance()
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        for text in axes.texts:
+            box = text.get_window_extent()
+            assert axes.bbox.x0 <= box.x0 < box.x1 <= axes.bbox.x1
+
+
+def test_axes_have_no_offsets():
+    speed = RESULT.array("sprocket_speed").copy()
+    speed[:, 1] = 2.717e-2 + 1e-7 * np.sin(np.arange(len(speed)))
+    even = replace(RESULT, arrays=RESULT.arrays | {"sprocket_speed": speed})
+    axes = even.plot.speed_ripple(2).axes[0]
+    axes.figure.draw_without_rendering()
+    assert axes.yaxis.get_major_formatter().get_offset() == ""
+    speed[:, 1] = 2.717e-2 * (1.0 + 1e-16 * np.arange(len(speed)))
+    axes = replace(RESULT, arrays=RESULT.arrays | {"sprocket_speed": speed}).plot.speed_ripple(2)
+    assert np.ptp(axes.axes[0].get_ylim()) > 1e-3
