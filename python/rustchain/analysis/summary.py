@@ -11,7 +11,12 @@ from rustchain.analysis.engagement import impacts
 from rustchain.analysis.jumps import jumps_within
 from rustchain.analysis.power import mean_powers
 from rustchain.analysis.transmission import angle_error, ripple_of
-from rustchain.analysis.window import from_first_row, rows_between
+from rustchain.analysis.window import (
+    difference_or_zero,
+    from_first_row,
+    mean_over_time,
+    rows_between,
+)
 from rustchain.description.drive import Free
 from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.html import HtmlView
@@ -81,11 +86,12 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
     skipped = set() if jumps is None else set(jumps[1].tolist())
     found: dict[str, float] = {}
     if "hinges" in result.groups:
-        for name, tension in zip(
-            result.strand_names, result.array("strand_tension")[rows].T, strict=True
-        ):
-            found[f"tension_{name}"] = float(tension.mean())
-            found[f"tension_{name}_std"] = float(tension.std())
+        time, tensions = result.time[rows], result.array("strand_tension")[rows]
+        means = mean_over_time(time, tensions)
+        for name, tension, mean in zip(result.strand_names, tensions.T, means, strict=True):
+            around = difference_or_zero(tension - mean, tension)
+            found[f"tension_{name}"] = float(mean)
+            found[f"tension_{name}_std"] = float(np.sqrt(mean_over_time(time, around**2)))
         if result.drive.hinges == "clearance":
             depth = result.array("hinge_penetration")[rows][:, hinges_of(result.drive)]
             found["hinge_contact_share"] = float((depth > 0.0).mean())

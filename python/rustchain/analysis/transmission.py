@@ -8,7 +8,7 @@ import numpy as np
 
 from rustchain.analysis.jumps import check_seated
 from rustchain.analysis.loads import check_sprocket
-from rustchain.analysis.window import mean_over_time, rows_between
+from rustchain.analysis.window import difference_or_zero, mean_over_time, rows_between
 from rustchain.errors import InvalidInput
 from rustchain.typing import Array, Time
 
@@ -93,6 +93,7 @@ def angle_error(
     ratio = mean_ratio(result.drive, driven, driver)
     error = angle[:, driven - 1] - ratio * turned
     error = error - _mean(result.time[rows], error)
+    error = difference_or_zero(error, angle[:, driven - 1], ratio * angle[:, driver - 1])
     return turned, error, result.drive.check().pitch_radius[driven - 1]
 
 
@@ -145,7 +146,7 @@ def ripple_of(result: Result, sprocket: int, rows: slice) -> tuple[float, Array,
     if mean == 0.0:
         msg = f"sprocket {sprocket} stands still: its ripple is not defined; take another one"
         raise InvalidInput(msg)
-    ripple = speed / mean - 1.0
+    ripple = difference_or_zero(speed / mean - 1.0, np.ones(1))
     return mean, ripple, float(np.sqrt(_mean(time, ripple**2)))
 
 
@@ -176,4 +177,4 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
 
 def _mean(time: Array, values: Array) -> float:
     """Return the mean over time."""
-    return float(values.mean() if len(time) < 2 else mean_over_time(time, values))
+    return float(mean_over_time(time, values))

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 
 _ROUNDING = 1e-12
+_DIFFERENCE = 16.0 * float(np.finfo(float).eps)  # of its operands: a smaller one is rounding
 _LEVELS = ("energy_kinetic", "energy_gravity", "energy_elastic")  # all other energies are sums
 
 
@@ -42,10 +43,23 @@ def first_row(time: Array, start: float) -> int:
 
 
 def mean_over_time(time: Array, values: Array) -> Array:
-    """Return the mean of `values`, (times, ...), over time, by the trapezoidal rule."""
+    """Return the mean of `values`, (times, ...), over time, by the trapezoidal rule.
+
+    Of one row, its values.
+    """
+    if len(time) < 2:
+        only: Array = values[0]
+        return only
     steps = np.diff(time).reshape(-1, *(1,) * (values.ndim - 1))
     mean: Array = (steps * (values[1:] + values[:-1]) / 2.0).sum(axis=0) / (time[-1] - time[0])
     return mean
+
+
+def difference_or_zero(difference: Array, *operands: Array) -> Array:
+    """Return a difference over time, or zeros where all of it is within the operands' rounding."""
+    size = sum(float(np.abs(each).max(initial=0.0)) for each in operands)
+    below = float(np.abs(difference).max(initial=0.0)) <= _DIFFERENCE * size
+    return np.zeros_like(difference) if below else difference
 
 
 def between(result: Result, /, start: Time = None, end: Time = None) -> Result:

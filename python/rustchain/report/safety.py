@@ -95,8 +95,7 @@ def safety_of(result: Result, breaking_load: float | None = None) -> Safety:
     chain = result.drive.chain
     tension = result.array("strand_tension")
     force = float(max(result.array("peak_hinge_force").max(), result.array("hinge_force").max()))
-    mean = mean_over_time(result.time, tension) if len(tension) > 1 else tension[0]
-    pull = float(mean.max())
+    pull = float(mean_over_time(result.time, tension).max())
     length = chain.strands * chain.hinge.length
     area = 2.0 * chain.hinge.pin_radius * length
     hertz = line_pressure(np.array(force), hinge_curvature(chain), length, contact_modulus(chain))
@@ -143,7 +142,7 @@ def _allowed(result: Result) -> float | None:
     teeth = [sprocket.teeth for sprocket in result.drive.sprockets]
     small = int(np.argmin(teeth))
     speed = np.abs(result.array("sprocket_speed")[:, small])
-    mean = float(mean_over_time(result.time, speed) if len(speed) > 1 else speed[0])
+    mean = float(mean_over_time(result.time, speed))
     return allowed_pressure(result.drive.chain.pitch, mean, teeth[small])
 
 

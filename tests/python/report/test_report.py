@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.integrate import trapezoid
 
 import rustchain as rc
 from browser import opened, ready
@@ -157,16 +158,24 @@ def test_offset_links_need_more_safety(result):
 # --- key figures
 
 
+def test_the_mean_tension_is_one_number_among_key_figures_and_in_the_safety(result):
+    late = result.between(start=0.0123)
+    means = [f.value for f in confidence.key_figures(late) if f.label.startswith("mean tension")]
+    assert max(means) == safety.safety_of(late).pull
+
+
 def test_an_interval_is_students_of_the_means_of_the_parts(result):
     (figure,) = (f for f in confidence.key_figures(result) if f.name == "tension_upper")
     edges = np.linspace(0.0, 0.2, 9)
     tension = result.strand("upper").tension
-    parts = [
-        tension[(result.time >= start - 1e-9) & (result.time <= end + 1e-9)].mean()
-        for start, end in pairwise(edges)
-    ]
+
+    def mean_within(start, end):
+        rows = (result.time >= start - 1e-9) & (result.time <= end + 1e-9)
+        return trapezoid(tension[rows], result.time[rows]) / np.ptp(result.time[rows])
+
+    parts = [mean_within(start, end) for start, end in pairwise(edges)]
     half = stats.t.ppf(0.975, 7) * stats.sem(parts)
-    assert figure.value == pytest.approx(tension.mean())
+    assert figure.value == pytest.approx(mean_within(0.0, 0.2))
     assert figure.interval == pytest.approx((figure.value - half, figure.value + half), rel=1e-4)
     assert figure.spread == pytest.approx((min(parts), max(parts)))
 
