@@ -33,6 +33,13 @@ def suggest(word: object, known: Iterable[str], main: Iterable[str] | None = Non
     return f"known: {', '.join(kept)}{', ...' if len(kept) < len(listed) else ''}"
 
 
+def counted(number: int, plural: str) -> str:
+    """Return a number of things in words: "2 bodies", but "1 body"."""
+    if number != 1:
+        return f"{number} {plural}"
+    return f"1 {plural[:-3]}y" if plural.endswith("ies") else f"1 {plural[:-1]}"
+
+
 def _lengths(texts: Iterable[str]) -> Iterable[int]:
     """Return how long a list is with each of its texts."""
     return accumulate(len(text) + 2 for text in texts)

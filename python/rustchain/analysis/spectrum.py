@@ -9,6 +9,7 @@ import numpy as np
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
+from rustchain.names import counted
 from rustchain.results.channels import PARTS
 from rustchain.typing import Array, Time
 
@@ -86,7 +87,9 @@ def welch(time: Array, values: Array, segment: float | None) -> tuple[Array, Arr
     from rustchain.extras import signal
 
     if len(time) < 16:
-        msg = f"start, end: {len(time)} rows: too few for a spectrum; take a longer part"
+        msg = (
+            f"start, end: {counted(len(time), 'rows')}: too few for a spectrum; take a longer part"
+        )
         raise InvalidInput(msg)
     if segment is not None and segment <= 0.0:
         msg = f"segment = {segment:g}: must be a positive number in s"

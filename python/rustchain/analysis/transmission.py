@@ -10,6 +10,7 @@ from rustchain.analysis.jumps import check_seated
 from rustchain.analysis.loads import check_sprocket
 from rustchain.analysis.window import difference_or_zero, mean_over_time, rows_between
 from rustchain.errors import InvalidInput
+from rustchain.names import counted
 from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
@@ -160,7 +161,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     turned = angle * np.sign(angle[-1])
     if len(turned) < 8 or not turned[-1] > 0.0:
         msg = (
-            f"start, end: {len(turned)} rows over {turned[-1]:.3g} rad: too "
+            f"start, end: {counted(len(turned), 'rows')} over {turned[-1]:.3g} rad: too "
             "few for a spectrum of orders; take a longer part, or a smaller report_step"
         )
         raise InvalidInput(msg)

@@ -22,6 +22,7 @@ from rustchain.cli.common import (
     scene_file,
 )
 from rustchain.extras import typer
+from rustchain.names import counted
 from rustchain.results.netcdf import result_path
 
 
@@ -142,7 +143,7 @@ def check(
         if scene.out is not None:
             _check_netcdf(scene.out)
         bodies, seconds = simulation.body_names, scene.run["duration"]
-        output.say(f"ready to run: {len(bodies)} bodies, {seconds:g} s")
+        output.say(f"ready to run: {counted(len(bodies), 'bodies')}, {seconds:g} s")
         rows = {n: each for n, each in vars(report).items() if n not in ("drive", "mechanism")}
         rows["warnings"] = [*report.warnings, *told]
         output.document({"report": rows, "bodies": bodies, "duration": seconds})
@@ -180,7 +181,7 @@ def _tell(result: rc.Result, out: Path, output: Output) -> None:
             f"energy: {balance['dissipated']:.3e} J dissipated, "
             f"{balance['residual']:.1e} J{share} energy balance residual"
         )
-    output.say(f"{result.message}: {len(result.time)} rows in {out}")
+    output.say(f"{result.message}: {counted(len(result.time), 'rows')} in {out}")
     output.document(
         {
             "status": result.status,

@@ -12,7 +12,7 @@ from rustchain.description.base import plain
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.description.sprocket import Free
 from rustchain.html import HtmlView
-from rustchain.names import named_attributes
+from rustchain.names import counted, named_attributes
 
 if TYPE_CHECKING:
     from rustchain.description.drive import ChainDrive
@@ -152,7 +152,7 @@ class DriveReport(HtmlView):
         """Return links, teeth and the number of warnings on one line."""
         teeth = f"teeth {', '.join(map(str, self.teeth[:6]))}{', ...' if self.teeth[6:] else ''}"
         chain = f"{self.links} links of {1e3 * self.pitch:g} mm"
-        return f"<DriveReport: {chain}, {teeth}, {len(self.warnings)} warnings>"
+        return f"<DriveReport: {chain}, {teeth}, {counted(len(self.warnings), 'warnings')}>"
 
     @property
     def speed_ratio(self) -> float:
@@ -201,10 +201,11 @@ class DriveReport(HtmlView):
             _row("first seat at [deg]", _scaled(self.first_seat_angle, degrees(1), ".6f")),
             _row("phase [deg]", _scaled(self.phase, degrees(1), ".6f")),
         ]
+        tensioner: list[Row] = [("tensioner force", f"{_text(self.tension_force, '.3f')} N")]
         rows += [
             ("hinge stretch", f"{_text(1e6 * self.hinge_stretch, '.3f')} um"),
             ("smallest gap at the start", f"{_text(1e6 * self.start_gap, '.3f')} um"),
-            ("tensioner force", f"{_text(self.tension_force, '.3f')} N"),
+            *(tensioner if self.drive is None or self.drive.tensioner is not None else ()),
             *(of_sprockets if self.teeth else ()),
             ("", ""),
             _row("strand", self.strands),

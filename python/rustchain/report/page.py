@@ -15,6 +15,7 @@ from rustchain.description.base import fields_of
 from rustchain.description.drive import ChainDrive
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.files.writer import text_of_scene
+from rustchain.names import counted
 from rustchain.notebook import html_table
 from rustchain.paths import check_writable, path_of, write_whole
 from rustchain.plot.colors import theme_css
@@ -83,8 +84,8 @@ def report_page(
     style = resources.files("rustchain.report").joinpath("page.css").read_text(encoding="utf-8")
     time, name = result.time, escape(result.scene.name)
     head = (
-        f"rustchain {escape(__version__)}: {time[0]:g} to {time[-1]:g} s in {len(time)} rows; "
-        f"{escape(result.message)}"
+        f"rustchain {escape(__version__)}: {time[0]:g} to {time[-1]:g} s "
+        f"in {counted(len(time), 'rows')}; {escape(result.message)}"
     )
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{name}</title>\n'
@@ -104,11 +105,13 @@ def _warnings(result: Result) -> str:
     """Return the warnings of the scene and of the run."""
     found = list(result.scene.system.check().warnings)
     if not result.success:
-        found.append(f"the run is {result.status}: {result.message}")
+        how = "failed" if result.status == "failed" else f"was {result.status}"
+        found.append(f"the run {how}: {result.message}")
     jumps = 0 if result.jumps is None else len(result.tooth_jumps)
     if jumps:
+        teeth = "tooth" if jumps == 1 else "teeth"
         found.append(
-            f"the chain jumped {jumps} teeth; there is no transmission error or efficiency"
+            f"the chain jumped {jumps} {teeth}; there is no transmission error or efficiency"
         )
     return "".join(f'<p class="warning">{escape(text)}</p>' for text in found)
 

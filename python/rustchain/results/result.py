@@ -14,7 +14,7 @@ from rustchain.arguments import checked_methods, shown
 from rustchain.description.scene import OfScene, Scene
 from rustchain.errors import NotRecorded
 from rustchain.html import HtmlView
-from rustchain.names import named_attributes, suggest
+from rustchain.names import counted, named_attributes, suggest
 from rustchain.parts import place_of, position_of
 from rustchain.results.channels import OF_DRIVES, OF_MECHANISMS, VARIABLES
 from rustchain.results.exports import Exports
@@ -110,7 +110,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
 
     def __repr__(self) -> str:
         """Return status, time span and recorded groups."""
-        span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
+        span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {counted(len(self.time), 'rows')}"
         groups = ", ".join(self.groups)
         return f"<Result of {self.scene.name}: {self.status}, {span}: {groups}>"
 

@@ -151,3 +151,17 @@ def test_html_of_names_is_escaped():
     named = dataclasses.replace(DRIVE, name="<script>")
     assert "<script>" not in named._repr_html_()
     assert "<on>" not in MECHANISM._repr_html_()
+
+
+def test_one_thing_has_no_plural_and_a_drive_without_tensioner_no_force_of_it():
+    mechanism = rc.Mechanism(gravity=(0.0, -9.81))
+    mechanism.add_body("bar", mass=1.0, inertia=0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "bar", at=(0.0, 0.0))
+    assert repr(mechanism) == "<Mechanism '': 1 body, 1 joint, 0 forces, 0 contacts>"
+    assert repr(mechanism.check()).startswith("<MechanismReport: 1 degree of freedom, ")
+    row = rc.Simulation(mechanism).run(0.01, progress=False).between(end=0.0)
+    assert "in 1 row:" in repr(row)
+    labels = [label for label, *_ in dataclasses.replace(DRIVE, tensioner=None).check().rows()]
+    assert "tensioner force" not in labels
+    labels = [label for label, *_ in rc.paper_drive(25.0).check().rows()]
+    assert "tensioner force" in labels

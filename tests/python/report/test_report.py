@@ -228,6 +228,14 @@ def test_a_page_says_what_was_run_and_found(path, result):
         assert expected in text
 
 
+def test_a_page_on_a_failed_run_of_one_row_says_so_in_words(result, tmp_path):
+    failed = replace(result.between(end=0.0), status="failed", message="step size fell")
+    failed.report(tmp_path / "failed.html")
+    text = text_of(tmp_path / "failed.html")
+    assert "the run failed: step size fell" in text
+    assert "s in 1 row; " in text
+
+
 def test_a_page_needs_nothing_else(path):
     page = path.read_text(encoding="utf-8")
     assert not re.search(r"(src|href)=\"(?!#)", page)

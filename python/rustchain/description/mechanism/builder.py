@@ -17,7 +17,7 @@ from rustchain.description.mechanism.report import MechanismReport
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.errors import InvalidInput
 from rustchain.html import HtmlView
-from rustchain.names import known_keywords
+from rustchain.names import counted, known_keywords
 
 _PARTS: dict[str, type[Any]] = {
     "bodies": Body,
@@ -113,7 +113,7 @@ class Mechanism(WithJoints, WithForces, WithContacts, HtmlView):
 
     def __repr__(self) -> str:
         """Return what there is."""
-        counts = ", ".join(f"{len(getattr(self, part))} {part}" for part in _PARTS)
+        counts = ", ".join(counted(len(getattr(self, part)), part) for part in _PARTS)
         return f"<Mechanism {self.name!r}: {counts}>"
 
     @known_keywords

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from rustchain.html import HtmlView
+from rustchain.names import counted
 
 if TYPE_CHECKING:
     from rustchain.description.mechanism.builder import Mechanism
@@ -56,8 +57,9 @@ class MechanismReport(HtmlView):
     def __repr__(self) -> str:
         """Return degrees of freedom and numbers of what is redundant and of warnings."""
         return (
-            f"<MechanismReport: {self.degrees_of_freedom} degrees of freedom, "
-            f"{len(self.redundant)} redundant constraints, {len(self.warnings)} warnings>"
+            f"<MechanismReport: {counted(self.degrees_of_freedom, 'degrees')} of freedom, "
+            f"{counted(len(self.redundant), 'redundant constraints')}, "
+            f"{counted(len(self.warnings), 'warnings')}>"
         )
 
     def __str__(self) -> str:
