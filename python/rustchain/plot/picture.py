@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, cast
 
@@ -28,8 +29,11 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 _NUMBERS_APART = 0.15  # [inches] from their hinges
+_NUMBER = np.array([0.12, 0.07])  # [inches] half of a number of three figures
+_BETWEEN = 0.3  # [inches] from number to number along a chain, at least
+_ROOM = np.array([8.0, 10.0])  # [inches] that a drawing takes at most
 _LABELS = (0.75, 0.65)  # [in] that ticks, labels and title take; less leaves empty margins
-_MARGIN = 1.2  # [pitches] round all that is drawn, for the numbers
+_MARGIN = 1.2  # [pitches] round all that is drawn; numbers may need more
 
 
 class DrivePicture(Figures):
@@ -47,8 +51,10 @@ class DrivePicture(Figures):
         shapes = shapes_of_drive(drive)
         figure, axes = subplots(ax=ax)
         covered = _draw_outlines(axes, shapes, positions)
-        low, high, scale = _limits(shapes, positions)
-        apart = np.clip(_NUMBERS_APART / scale, chain.pitch, 1.5 * chain.pitch)
+        room = _ROOM if ax is None else np.array(axes.bbox.size) / axes.figure.dpi
+        low, high, scale = _limits(shapes, positions, room)
+        apart = max(_NUMBERS_APART / scale, chain.pitch)
+        fives = max(1, chain.links // 200, math.ceil(_BETWEEN / (5.0 * chain.pitch * scale)))
         hinges = force_points(shapes.forces[0], positions)
         if drive.ends is not None:  # the one between both ends is none
             hinges = np.delete(hinges, chain.links, axis=0)
@@ -56,7 +62,7 @@ class DrivePicture(Figures):
         wheels = positions[first : len(positions) - len(drive.guides)]
         # The last ones of a closed chain would stand in the way of the first.
         last = chain.links + (1 if drive.ends is not None else -1)
-        for number in (1, *range(6, last, 5 * max(1, chain.links // 200))):
+        for number in (1, *range(6, last, 5 * fives)):
             here = hinges[number - 1]
             if len(wheels) == 2 and drive.ends is None:
                 aside = _outward(here, wheels[:, :2])
@@ -105,7 +111,7 @@ def draw_mechanism(mechanism: Mechanism, positions: Array) -> Figure:
     shapes = shapes_of_mechanism(mechanism)
     figure, axes = subplots()
     _draw_outlines(axes, shapes, positions)
-    low, high, scale = _limits(shapes, positions)
+    low, high, scale = _limits(shapes, positions, _ROOM)
     _fit(figure, (high - low) * scale)
     _label(axes, low, high)
     return figure
@@ -128,11 +134,17 @@ def _draw_outlines(axes: Axes, shapes: Shapes, positions: Array) -> list[Path]:
     return covered
 
 
-def _limits(shapes: Shapes, positions: Array) -> tuple[Array, Array, float]:
-    """Return the corners of what is drawn [m], and its scale [inches a metre]."""
+def _limits(shapes: Shapes, positions: Array, room: Array) -> tuple[Array, Array, float]:
+    """Return the corners of what is drawn [m], and its scale [inches a metre] in a room [inches].
+
+    The margin has the numbers, whose size in metres depends on the scale.
+    """
     low, high = shapes.extent(positions)
-    low, high = low - _MARGIN * shapes.size, high + _MARGIN * shapes.size
-    return low, high, min(8.0 / (high - low)[0], 10.0 / (high - low)[1])
+    numbers = _NUMBERS_APART + _NUMBER
+    coarse = float(np.max((high - low) / np.maximum(room - 2.0 * numbers, 0.5 * room)))
+    margin = np.maximum(_MARGIN * shapes.size, numbers * coarse)
+    low, high = low - margin, high + margin
+    return low, high, float(np.min(room / (high - low)))
 
 
 def _fit(figure: Figure, size: Array) -> None:

@@ -253,3 +253,20 @@ def test_axes_have_no_offsets():
     speed[:, 1] = 2.717e-2 * (1.0 + 1e-16 * np.arange(len(speed)))
     axes = replace(RESULT, arrays=RESULT.arrays | {"sprocket_speed": speed}).plot.speed_ripple(2)
     assert np.ptp(axes.axes[0].get_ylim()) > 1e-3
+
+
+@pytest.mark.parametrize("given", [False, True])
+@pytest.mark.parametrize("links", [60, 150, 402, 1000])
+def test_numbers_of_hinges_of_chains_of_any_length_are_inside_the_axes(links, given):
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 17), links=links, speed=10.0)
+    result = rc.Simulation(drive).run(1e-4, progress=False)
+    ax = Figure(figsize=(7.0, 3.0)).subplots() if given else None
+    figure = result.plot.drive(ax=ax)
+    (axes,) = figure.axes
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) > 8
+    for k, box in enumerate(boxes):
+        assert axes.bbox.x0 <= box.x0 < box.x1 <= axes.bbox.x1
+        assert axes.bbox.y0 <= box.y0 < box.y1 <= axes.bbox.y1
+        assert not any(box.overlaps(other) for other in boxes[:k])
