@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
 from rustchain.plot.colors import GREY
@@ -20,9 +21,9 @@ def note(axes: Axes, text: str) -> None:
     )  # fmt: skip
 
 
-def finished(figure: Figure) -> Figure:
-    """Return a figure that shows curves of one row as markers, and axes without offsets."""
-    for axes in figure.axes:
+def finish(all_axes: Iterable[Axes]) -> None:
+    """Show curves of one row as markers, and axes without offsets."""
+    for axes in all_axes:
         for line in axes.lines:
             if line.get_transform() == axes.transData and len(line.get_xdata()) == 1:  # type: ignore[arg-type]
                 line.set(marker="o", markersize=4.0)
@@ -35,7 +36,6 @@ def finished(figure: Figure) -> Figure:
         if axes.get_yscale() == "linear" and abs(high - low) < _ROUNDING * size:
             middle = 0.5 * (low + high)
             axes.set_ylim(middle - 0.05 * size, middle + 0.05 * size)
-    return figure
 
 
 def is_empty(values: object) -> bool:

@@ -6,7 +6,6 @@ from matplotlib.figure import Figure
 
 from rustchain.analysis.window import rows_between
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
-from rustchain.plot.finish import finished
 from rustchain.plot.style import Ax, Figures, legend_above, panels, styled, subplots
 from rustchain.results.views import Energy
 from rustchain.typing import Array, Time
@@ -27,7 +26,7 @@ class HistoryFigures(Figures):
         if tensioner is not None:
             axes.axhline(tensioner.pretension, color=GREY, linestyle="--", label="pretension")
         legend_above(axes)
-        return finished(figure)
+        return figure
 
     @styled
     def energy(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
@@ -60,4 +59,4 @@ def energy_figure(
     lower.set_ylabel(f"residual [{unit}]")
     lower.set_xlabel("time [s]")
     figure.align_ylabels()
-    return finished(figure)
+    return figure

@@ -12,7 +12,6 @@ from rustchain.description.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, RED
-from rustchain.plot.finish import finished
 from rustchain.plot.mechanism import joint_loads_figure
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
@@ -62,7 +61,7 @@ class JointFigures(Figures):
             legend_above(axes)
         cells[-1, 0].set_xlabel("time [s]")
         figure.align_ylabels()
-        return finished(figure)
+        return figure
 
     def _check_ideal(self) -> None:
         """Refuse a drive whose hinges have clearance."""

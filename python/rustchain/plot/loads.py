@@ -13,7 +13,7 @@ from rustchain.analysis.circuit import Circuit
 from rustchain.analysis.window import rows_between
 from rustchain.plot.between_rows import round_number
 from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
-from rustchain.plot.finish import finished, is_empty, note
+from rustchain.plot.finish import is_empty, note
 from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
 from rustchain.typing import Array, Time
 
@@ -167,7 +167,7 @@ class LoadFigures(Figures):
         left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
         legend_above(left)
         _cycles(right, cycles)
-        return finished(figure)
+        return figure
 
     @styled
     def pressure_cycles(
@@ -215,7 +215,7 @@ class LoadFigures(Figures):
             if is_empty(found["largest"]):
                 right.set_yticks([])
                 note(right, "no contact with the guide in this part")
-        return finished(figure)
+        return figure
 
     @styled
     def engagements(

@@ -14,7 +14,7 @@ from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
-from rustchain.plot.finish import finished, note
+from rustchain.plot.finish import note
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
 
@@ -44,7 +44,7 @@ class MotionFigures(Figures):
         error = found.attrs["peak_to_peak"]  # none before anything touches
         radius = found.attrs["peak_to_peak_length"] / error if error > 0.0 else 0.0
         _orders(right, found, 1e6 * radius, "amplitude [µm]", driver)
-        return finished(figure)
+        return figure
 
     @styled
     def speed_ripple(
@@ -57,7 +57,7 @@ class MotionFigures(Figures):
         left.axhline(found.attrs["mean"], color=GREY, linestyle="--")
         left.set(xlabel="time [s]", ylabel=f"speed of sprocket {sprocket} [rad/s]")
         _orders(right, found, 100.0, "amplitude of the ripple [%]", sprocket)
-        return finished(figure)
+        return figure
 
     @styled
     def strand_motion(
@@ -81,7 +81,7 @@ class MotionFigures(Figures):
             axes.set(ylabel=f"strand {motion.attrs['strand']}, outward [mm]")
         legend_above(cells[0, 0])
         cells[-1, 0].set(xlabel="time [s]")
-        return finished(figure)
+        return figure
 
     @styled
     def strand_spectrum(

@@ -20,6 +20,7 @@ from rustchain.arguments import checked, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import named_attributes
 from rustchain.plot.colors import GREY, GRID, Theme, in_theme
+from rustchain.plot.finish import finish
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -69,6 +70,9 @@ def styled(draw: _Draw) -> _Draw:
     def drawn(*args: Any, **keywords: Any) -> Any:  # noqa: ANN401
         with style.context(_STYLE):
             figure = draw(*args, **keywords)
+        if isinstance(figure, Picture):
+            own = keywords.get("ax")
+            finish(figure.axes if own is None else np.ravel(own))
         if _theme == "dark" and isinstance(figure, Picture):
             _darken(figure)
         return figure
