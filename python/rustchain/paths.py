@@ -38,7 +38,8 @@ def path_of(path: object, field: str = "path") -> Path:
         os.fsencode(name)
     except UnicodeEncodeError as error:
         encoding = sys.getfilesystemencoding()
-        msg = f"{field} = {shown_path(name)}: is no file name; expected text that {encoding} has"
+        words = f"expected characters that {encoding} can encode"
+        msg = f"{field} = {shown_path(name)}: is no file name; {words}"
         raise InvalidInput(msg) from error
     return Path(name)
 

@@ -15,6 +15,7 @@ use crate::system::hash;
 const TIME_MISMATCH: f64 = 1e-3;
 
 /// The same over the rounding of the time itself, for steps that are short beside it: master and instance add a start time in another order.
+/// At most half of the step is allowed, so that none is repeated.
 const ROUNDINGS_OF_TIME: f64 = 4.0;
 
 /// Phase of an instance, the state machine of the standards.
@@ -225,7 +226,7 @@ impl Instance {
         check::finite("communication point", time, "s")?;
         let own = self.time();
         let rounding = ROUNDINGS_OF_TIME * f64::EPSILON * own.abs();
-        if (time - own).abs() > TIME_MISMATCH * size + rounding {
+        if (time - own).abs() > (TIME_MISMATCH * size + rounding).min(0.5 * size) {
             let expected =
                 format!("the instance is at {own} s: continue from there, or set a state");
             return Err(Error::invalid("communication point", time, expected));

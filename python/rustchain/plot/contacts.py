@@ -23,6 +23,7 @@ from rustchain.results.views import Bushing
 from rustchain.typing import Array, Time
 
 _SHOWN = 2  # hinges or bushings, where none are named
+_WHEELS = tuple(color for color in CYCLE if color != RED)  # red are the largest forces
 _SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
 
 
@@ -75,7 +76,7 @@ class ContactFigures(Figures):
                 largest[window] = peaks[:, number - 1]
             for rows, nearest, sprocket, tooth in _visits(view, window):
                 force = view.tooth_force[rows]
-                color = CYCLE[(sprocket - 1) % len(CYCLE)]
+                color = _WHEELS[(sprocket - 1) % len(_WHEELS)]
                 name = self._wheel_name(sprocket)
                 axes.plot(view.time[rows], force, color=color, label=name)
                 if sprocket > len(self.result.drive.sprockets):
@@ -268,10 +269,10 @@ def _draw_largest(axes: Axes, time: Array, peaks: Array | None, number: int) -> 
 
 
 def _visits(bushing: Bushing, window: slice) -> Iterator[tuple[slice, slice, int, int]]:
-    """Yield each stay in one tooth gap, flights between impacts included.
+    """Yield each contact episode in one tooth gap, flights between impacts included.
 
-    They are its rows, the rows nearer to it than to other stays, sprocket and gap. Impacts between
-    two rows have no gap of their own: they belong to the nearest stay.
+    They are its rows, the rows nearer to it than to other episodes, sprocket and gap. Impacts
+    between two rows have no gap of their own: they belong to the nearest episode.
     """
     rows = np.flatnonzero(bushing.sprocket[window]) + window.start
     if rows.size == 0:
@@ -280,7 +281,10 @@ def _visits(bushing: Bushing, window: slice) -> Iterator[tuple[slice, slice, int
     changes = np.flatnonzero((np.diff(where) != 0).any(axis=0)) + 1
     middles = (rows[changes - 1] + rows[changes]) // 2 + 1
     edges = [window.start, *middles.tolist(), window.stop]
-    for k, stay in enumerate(np.split(rows, changes)):
-        rows_of_stay = slice(max(stay[0] - 1, window.start), min(stay[-1] + 2, window.stop))
+    for k, episode in enumerate(np.split(rows, changes)):
+        rows_of_episode = slice(
+            max(episode[0] - 1, window.start), min(episode[-1] + 2, window.stop)
+        )
         nearest = slice(edges[k], edges[k + 1])
-        yield rows_of_stay, nearest, int(bushing.sprocket[stay[0]]), int(bushing.tooth[stay[0]])
+        sprocket, tooth = bushing.sprocket[episode[0]], bushing.tooth[episode[0]]
+        yield rows_of_episode, nearest, int(sprocket), int(tooth)

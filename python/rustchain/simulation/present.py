@@ -177,7 +177,7 @@ class Present(OfScene):
         """Copy scene, state and a user's attributes; the copy continues to the same bits."""
         place = dict(zip(("positions", "velocities"), self._core.start(), strict=True))
         made = (type(self), self.scene, place, self.state(), self.rest)
-        own = ("scene", "_core", "rest", "_running")
+        own = ("scene", "_core", "rest", "_runner")
         return _copied, made, {name: each for name, each in vars(self).items() if name not in own}
 
     @known_keywords

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import sysconfig
 import threading
@@ -93,12 +94,15 @@ class Quiet(Simulation):
         return super()._slice()
 
 
-OTHERS = (
-    str(Path(__file__).parents[1]),
-    *(sysconfig.get_paths()[name] for name in ("stdlib", "purelib", "platlib")),
-    "<frozen",
+_OTHERS = tuple(
+    f"{folder}{os.sep}" for folder in (Path(__file__).parents[1], sysconfig.get_path("stdlib"))
 )
-"""Where code lies that is not the user's."""
+
+
+def is_of_user(file: str) -> bool:
+    """Return whether a file is neither of rustchain nor of Python or an installed package."""
+    installed = not {"site-packages", "dist-packages"}.isdisjoint(Path(file).parts)
+    return not installed and not file.startswith(("<frozen", *_OTHERS))
 
 
 def lean(error: Exception) -> Exception:
@@ -109,7 +113,7 @@ def lean(error: Exception) -> Exception:
     lines = [
         f"{_RAISED}{Path(frame.f_code.co_filename).name}, line {line}"
         for frame, line in traceback.walk_tb(error.__traceback__)
-        if not frame.f_code.co_filename.startswith(OTHERS)
+        if is_of_user(frame.f_code.co_filename)
         and not str(frame.f_globals.get("__name__")).startswith("rustchain.")  # made by dataclasses
     ]
     attach(error, "__notes__", [*getattr(error, "__notes__", ()), *lines[-1:]])

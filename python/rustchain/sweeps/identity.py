@@ -17,7 +17,7 @@ import numpy as np
 from rustchain.arguments import shown
 from rustchain.description.base import fields_of
 from rustchain.errors import InvalidInput
-from rustchain.sweeps.case_run import OTHERS
+from rustchain.sweeps.case_run import is_of_user
 
 
 def digest_of(value: object) -> str:
@@ -31,9 +31,16 @@ def digest_of(value: object) -> str:
     Raises
     ------
     InvalidInput
-        The value holds something without an identity, such as an open file.
+        The value holds something without an identity, such as an open file, or itself.
     """
-    text = json.dumps(_part(value, _Seen(None, [])), sort_keys=True, ensure_ascii=True)
+    try:
+        text = json.dumps(_part(value, _Seen(None, [])), sort_keys=True, ensure_ascii=True)
+    except RecursionError as error:
+        msg = (
+            f"store: {shown(value)} has no identity by which a stored case could be found: it "
+            "holds itself, or more functions that call each other than Python can follow"
+        )
+        raise InvalidInput(msg) from error
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
@@ -164,9 +171,14 @@ def _function(function: types.FunctionType, seen: _Seen) -> list[Any]:
         if not (isinstance(value, types.FunctionType | type) or hasattr(value, "__wrapped__"))
         or inside.has(value)
     }
+    of_modules = {name: counting.pop(name) for name in list(counting) if "." in name}
     module = "" if function.__module__ == "__main__" else function.__module__
     parts = (function.__code__, function.__defaults__, function.__kwdefaults__, cells, counting)
-    return [module, function.__qualname__, *(_part(each, inside) for each in parts)]
+    return [
+        *(module, function.__qualname__),
+        *(_part(each, inside) for each in parts),
+        _part(of_modules, inside._replace(foreign=True)),
+    ]
 
 
 def _referred(function: types.FunctionType) -> dict[str, Any]:
@@ -187,8 +199,11 @@ def _referred(function: types.FunctionType) -> dict[str, Any]:
 
 def _is_of_user(module: str) -> bool:
     """Return whether a module lies neither in rustchain or Python nor in an installed package."""
-    file = getattr(sys.modules.get(module), "__file__", None)
-    return isinstance(file, str) and not file.startswith(OTHERS)
+    found = sys.modules.get(module)
+    file = getattr(found, "__file__", None)
+    # A folder without __init__.py is a package without a file.
+    places = [file] if isinstance(file, str) else list(getattr(found, "__path__", ()))
+    return any(is_of_user(place) for place in places)
 
 
 def _class(kind: type, seen: _Seen) -> list[Any]:

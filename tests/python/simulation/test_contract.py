@@ -184,6 +184,18 @@ def test_copies_of_a_simulation_keep_the_attributes_of_its_user(scene):
     assert pickle.loads(pickle.dumps(simulation)).label == ["first"]
 
 
+def test_a_copy_made_during_a_run_can_run(scene):
+    simulation = rc.Simulation(scene)
+    made = []
+
+    def copies(_):
+        made.extend([copy.deepcopy(simulation), pickle.loads(pickle.dumps(simulation))])
+
+    simulation.run(2e-4, 1e-4, callback=copies, progress=False)
+    for each in made:
+        assert each.run(1e-4, progress=False).success
+
+
 def test_a_scene_has_the_names_of_its_bodies(scene):
     assert scene.body_names == tuple(rc.Simulation(scene).body_names)
 

@@ -7,12 +7,14 @@ import subprocess
 import sys
 import types
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import load
 import rustchain as rc
+from rustchain.sweeps.case_run import is_of_user
 from rustchain.sweeps.identity import digest_of
 
 PAPER = rc.paper_drive()
@@ -424,6 +426,10 @@ OF_HELPERS = [
     ("import of_helpers as h\ndef inner(r): return h.peak(r)\nmeasure = lambda r: inner(r)", "2.0"),
     ("from of_helpers import Base\nclass Of(Base): one = abs\nmeasure = Of()", "self.one(result)"),
     ("from of_helpers import Base\ndef measure(r): return Base()(r)", "self.one(result)"),
+    (
+        "import of_helpers\ndef measure(r):\n with of_helpers.lock: return of_helpers.peak(r)",
+        "result * factor",
+    ),
 ]
 
 
@@ -444,6 +450,39 @@ def test_code_of_the_users_other_modules_counts(text, old, tmp_path, monkeypatch
     base = digest(HELPERS)
     assert digest(HELPERS + "other = 3") == base
     assert digest(HELPERS.replace(old, old.replace("2.0", "3.0") + " + 1")) != base
+
+
+@pytest.mark.parametrize("folder", ["of_tools", "rustchain_study"])
+def test_code_of_a_folder_without_init_counts(folder, tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / folder).mkdir()
+
+    def digest(factor):
+        (tmp_path / folder / "helpers.py").write_text(f"factor = {factor}\n")
+        for name in (folder, f"{folder}.helpers"):
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        importlib.invalidate_caches()
+        space = {"__name__": "somewhere"}
+        exec(f"import {folder}.helpers\ndef measure(r): return {folder}.helpers.factor", space)
+        return digest_of(space["measure"])
+
+    assert digest(1.0) == digest(1.0)
+    assert digest(1.0) != digest(9.0)
+
+
+def test_files_beside_the_package_are_of_the_user():
+    package = Path(rc.__file__).parent
+    assert not is_of_user(str(package / "errors.py"))
+    assert is_of_user(str(package.with_name("rustchain_study") / "errors.py"))
+    assert not is_of_user(np.__file__)
+    assert not is_of_user("/home/me/.local/lib/python3.11/site-packages/tool/part.py")
+
+
+def test_a_value_that_holds_itself_has_no_identity():
+    value = []
+    value.append(value)
+    with pytest.raises(rc.InvalidInput, match="it holds itself"):
+        digest_of(value)
 
 
 def test_code_of_installed_packages_counts_by_its_name(monkeypatch):
