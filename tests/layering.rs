@@ -202,11 +202,11 @@ fn resolved(
     exists: impl Fn(&[String]) -> bool,
 ) -> Option<Vec<String>> {
     let mut steps = path.split("::").map(str::trim).peekable();
-    let mut at = match *steps.peek()? {
-        "crate" => Vec::new(),
-        "super" | "self" => module.to_vec(),
-        // A module of this one, or another crate.
-        _ => module.to_vec(),
+    // From the root, or from this module: its parts and other crates, too.
+    let mut at = if *steps.peek()? == "crate" {
+        Vec::new()
+    } else {
+        module.to_vec()
     };
     for step in steps {
         match step {
@@ -267,10 +267,8 @@ fn circle(imports: &Imports) -> Option<Vec<String>> {
             return None;
         }
         open.push(module);
-        let others = imports.get(module).into_iter().flatten();
-        let found = others
-            .filter_map(|other| visit(other, imports, open, done))
-            .next();
+        let mut others = imports.get(module).into_iter().flatten();
+        let found = others.find_map(|other| visit(other, imports, open, done));
         open.pop();
         found
     }
