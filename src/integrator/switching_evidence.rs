@@ -52,7 +52,7 @@ impl CorrectorSwitching {
         } else {
             SWITCH_THRESHOLD
         };
-        // Both counters begin anew with the other corrector.
+        // Both counters begin again with the other corrector.
         self.implicit = !self.implicit;
         (self.evidence, self.steps_since_switch) = (0, 0);
         true

@@ -1,4 +1,4 @@
-//! One step of a run: the state at its start, projection at its end, and the state within it.
+//! One step of a run: its longest size, the state at its start, projection at its end, and the state within it.
 
 use super::MechanismDynamics;
 use super::assembly::projection::AtHand;

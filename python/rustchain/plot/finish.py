@@ -1,4 +1,4 @@
-"""Last touches of figures: what is not there, single rows, and numbers of axes."""
+"""Parts of all figures: notes in empty axes, markers of single rows, and numbers of axes."""
 
 from __future__ import annotations
 

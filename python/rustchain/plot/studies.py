@@ -96,7 +96,7 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
         others = [str(dim) for dim in values.dims if dim != over]
         lines = values.stack(_other=others) if others else values.expand_dims(_other=[""])
         x = _places(axes, values[over].to_numpy())
-        looks = _looks(lines["_other"].to_numpy() if others else None)
+        looks = _line_styles(lines["_other"].to_numpy() if others else None)
         for k, (color, label) in enumerate(looks):
             line = lines.isel(_other=k).to_numpy()
             axes.plot(x, line, "o-", markersize=3.0, color=color, label=label)
@@ -132,7 +132,7 @@ def _over_axis(axes: Axes, values: xr.DataArray, found: xr.DataArray, over: str)
     others = [str(dim) for dim in found.dims if dim not in (over, "statistic")]
     rows = found.stack(_other=others) if others else found.expand_dims(_other=[""])
     every = values.stack(_other=others) if others else values.expand_dims(_other=[""])
-    for k, (color, label) in enumerate(_looks(rows["_other"].to_numpy() if others else None)):
+    for k, (color, label) in enumerate(_line_styles(rows["_other"].to_numpy() if others else None)):
         line = rows.isel(_other=k).transpose(over, "statistic")
         mean, low, high = (line.sel(statistic=end).to_numpy() for end in ("mean", "low", "high"))
         dots = every.isel(_other=k).transpose(over, "run").to_numpy()
@@ -154,7 +154,7 @@ def _places(axes: Axes, values: Any) -> Array:  # noqa: ANN401
     return row
 
 
-def _looks(cases: Any) -> list[tuple[str, str | None]]:  # noqa: ANN401
+def _line_styles(cases: Any) -> list[tuple[str, str | None]]:  # noqa: ANN401
     """Return colour and label of each line; `cases` are values of other axes, None: one line.
 
     Of more lines than there are colours, the colours go from dark to light and some have a label.

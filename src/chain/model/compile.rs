@@ -1,4 +1,4 @@
-//! Compilation of a drive and its initial configuration to a `Model`: inertias, coordinates, constants of surface pairs.
+//! Compilation of a drive and its initial configuration to a `Model`: inertias, wheels, laws with the constants of surface pairs.
 
 use super::coordinates::Coordinates;
 use super::rail::place_rail;
