@@ -3,6 +3,8 @@
 Checked are the tables with a column "name in code", and every Rust file that a page names.
 """
 
+import ast
+import itertools
 import re
 from pathlib import Path
 
@@ -113,3 +115,49 @@ def test_the_order_of_the_packages_is_that_of_the_import_contract():
     assert {name for name in there if name.strip("_") == name} == set().union(*order)
     for edge in contract["ignore_imports"]:
         assert f"`{edge.split(' -> ')[0].removeprefix('rustchain.')}`" in page
+
+
+def entries_of_the_tree() -> dict[str, str]:
+    """Return the text beside each file of the tree of the architecture page, by its path."""
+    page = (ROOT / "docs" / "development" / "architecture.md").read_text(encoding="utf-8")
+    tree = page.split("## The tree\n")[1].split("\n## ")[0]
+    entries, folders = {}, []
+    for line in re.findall(r"^    .*$", tree, re.MULTILINE):
+        indent, name, text = re.fullmatch(r"    ( *)(\S+) *(.*)", line).groups()
+        folders = [folder for folder in folders if folder[0] < len(indent)]
+        if name.endswith("/"):
+            folders.append((len(indent), name))
+        else:
+            entries["".join(folder for _, folder in folders) + name] = text
+    return entries
+
+
+def heading(path: Path) -> str:
+    """Return the first paragraph of the documentation of a file of Rust or Python."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix == ".py":
+        return ast.get_docstring(ast.parse(text)).split("\n\n")[0]
+    lines = itertools.takewhile(lambda line: line.startswith("//! "), text.splitlines())
+    return " ".join(line.removeprefix("//! ") for line in lines)
+
+
+def test_the_tree_of_the_architecture_has_every_file_with_its_heading():
+    entries = entries_of_the_tree()
+    shared = {"mod.rs", "tests.rs", "__init__.py"}  # the text of the folder, or unit tests
+    files = {
+        path.relative_to(ROOT).as_posix(): path
+        for folder, ending in (("src", "*.rs"), ("python/rustchain", "*.py"))
+        for path in (ROOT / folder).rglob(ending)
+        if path.name not in shared
+    }
+    listed = {entry for entry in entries if entry.startswith(("src/", "python/"))}
+    assert [entry for entry in listed if not (ROOT / entry).exists()] == []
+    assert files.keys() - listed == set()
+    words = re.compile(r"\w+")
+    wrong = {
+        name: heading(path)
+        for name, path in files.items()
+        if words.findall(entries[name].lower())
+        != words.findall(heading(path).lower())[: len(words.findall(entries[name]))]
+    }
+    assert wrong == {}
