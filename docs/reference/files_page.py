@@ -46,11 +46,12 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
     "run": [rc.Simulation.run],
     "run.stop": [*makers_of(rc.StopCondition).values()],
 }
+LONG = 60  # characters of a text that is written once in a section
 LEFT_OUT = {rc.Scene: {"system"}, rc.Simulation.run: {"self", "progress", "callback"}}
 
 
-def rows(target: Callable[..., Any]) -> Iterator[str]:
-    """Yield a row of the table for each key."""
+def rows(target: Callable[..., Any], above: dict[tuple[str, str], str]) -> Iterator[str]:
+    """Yield a row of the table for each key; a long text of a table above is referred to."""
     texts = descriptions_of(target)
     for name, parameter in inspect.signature(target).parameters.items():
         if name in LEFT_OUT.get(target, ()):
@@ -65,7 +66,11 @@ def rows(target: Callable[..., Any]) -> Iterator[str]:
             shown = f"`{json.dumps(default)}`"
         else:
             shown = f"`{type(default).__name__}`"
-        yield f"| `{name}` | {shown} | {texts.get(name, '').replace('|', '/')} |"
+        text = texts.get(name, "").replace("|", "/")
+        first = above.setdefault((name, text), target.__name__)
+        if first != target.__name__ and len(text) > LONG:
+            text = f"See `{first}`."
+        yield f"| `{name}` | {shown} | {text} |"
 
 
 def tables() -> str:
@@ -73,9 +78,10 @@ def tables() -> str:
     parts = [MARK]
     for key, targets in GROUPS.items():
         parts.append(f"\n### {key}\n")
+        above: dict[tuple[str, str], str] = {}
         for target in targets:
             is_table = target not in LEFT_OUT
-            lines = list(rows(target))
+            lines = list(rows(target, above))
             first = inspect.cleandoc(target.__doc__ or "").split("\n")[0]
             name = target.__name__
             parts.append(f"\n`{name}`: {first}\n" if is_table else "\n")

@@ -47,26 +47,27 @@ def chain_drive(
     Parameters
     ----------
     chain : str or Chain
-        A name of the catalogue, such as "ANSI 40", or a chain, whose own `links` do not count.
+        Name in the catalogue, such as "ANSI 40", or a chain. The `links` of a chain are not used.
     sprockets : sequence of Sprocket
-        In their order along the chain path, in either direction.
+        Sprockets in their order along the chain path, in either direction.
     links : int, optional
-        Number of links, even or odd (the last one is then an offset link); by default the smallest
-        even one that closes round the centres as they are.
+        Number of links, even or odd (the last one is then an offset link). By default the smallest
+        even number that closes round the centres.
     adjust : int, optional
-        Number of the sprocket whose centre moves until the chain is taut; by default none does, and
-        what is left over hangs in one strand. Without `links`, their number is counted before.
+        Number of the sprocket whose centre is moved until the chain is taut. By default no centre
+        is moved, and one strand has the slack. Without `links`, the links are counted first.
     direction : (float, float), optional
-        Direction along which that centre may move, either way; by default the one that tightens
-        both strands beside it alike.
+        Direction in which that centre is moved, forward or back; by default the one that tightens
+        both strands beside it equally.
     reach : float, optional
-        How far it may move [m]; by default as far as there is a belt line within 1000 pitches.
+        Largest displacement of that centre [m]; by default as far as a belt line exists within 1000
+        pitches.
     tensioner, gravity, name, hinges, guides
         See `ChainDrive`.
     rollers : {"fixed", "bodies"}
-        Of a chain by name; see `catalogue_chain`.
+        For a chain given by its name; see `catalogue_chain`.
     plates : {"rigid", "elastic"}
-        Of a chain by name; see `catalogue_chain`.
+        For a chain given by its name; see `catalogue_chain`.
 
     Raises
     ------
@@ -140,21 +141,21 @@ def open_chain(
     Parameters
     ----------
     chain : str or Chain
-        A name of the catalogue, such as "ANSI 40", or a chain, whose own `links` do not count.
+        Name in the catalogue, such as "ANSI 40", or a chain. The `links` of a chain are not used.
     ends : (end, end)
-        What is before the first link and behind the last one, each an `AnchoredEnd`, a `LoadedEnd`
-        or a `FreeEnd`.
+        Ends before the first link and behind the last one: each an `AnchoredEnd`, a `LoadedEnd` or
+        a `FreeEnd`.
     links : int
-        Number of links, even or odd, at least four: inner and outer ones alternate, the first is an
-        inner one. Fewer, such as a tie bar, are bodies of a `Mechanism`.
+        Number of links, even or odd, at least four. Inner and outer links alternate, and the first
+        is an inner one. For fewer links, describe bodies of a `Mechanism`.
     sprockets : sequence of Sprocket
-        In their order from the first end to the second; by default none.
+        Sprockets in their order from the first end to the second; by default none.
     gravity, name, guides, tensioner
         See `ChainDrive`.
     rollers : {"fixed", "bodies"}
-        Of a chain by name; see `catalogue_chain`.
+        For a chain given by its name; see `catalogue_chain`.
     plates : {"rigid", "elastic"}
-        Of a chain by name; see `catalogue_chain`.
+        For a chain given by its name; see `catalogue_chain`.
 
     Examples
     --------

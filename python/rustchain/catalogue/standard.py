@@ -66,8 +66,8 @@ def paper_drive(
     hinges : {"clearance", "ideal"}
         Pins with clearance in their bushings, or ideal joints.
     rollers : {"fixed", "bodies"}
-        The published bushing chain, or the same with rollers of a no. 40 chain on smaller bushings:
-        outside radius, mass of the chain and all else are the same.
+        "fixed": the published bushing chain. "bodies": rollers of a no. 40 chain on smaller
+        bushings; outside radius, mass of the chain and all other data are the same.
 
     Examples
     --------
@@ -118,13 +118,14 @@ def two_sprocket_drive(
     Parameters
     ----------
     chain : str or Chain
-        A name of the catalogue, such as "ANSI 40", or a chain, whose `links` then count by default.
+        Name in the catalogue, such as "ANSI 40", or a chain, whose `links` are then the default.
     teeth : (int, int)
-        Teeth of the driver and of the driven sprocket.
+        Numbers of teeth of the driver and of the driven sprocket.
     links : int, optional
-        Number of links; by default the smallest even one that closes round `center_distance`.
+        Number of links; by default the smallest even number that closes round `center_distance`.
+        One of both is needed.
     center_distance : float, optional
-        Distance of the centres [m]; by default the one at which the strands are taut and straight.
+        Distance of the centres [m]; by default that at which the strands are taut and straight.
     speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep
         Speed of the driver [rad/s], counterclockwise positive.
     pretension : float, optional
@@ -133,7 +134,7 @@ def two_sprocket_drive(
     torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep, optional
         Torque on the driven sprocket [N m], counterclockwise positive; by default none.
     seat : {"bottom-diameter", "pitch-circle"}
-        Where the teeth's seats lie; see `AnsiTooth`.
+        Position of the seats of the teeth; see `AnsiTooth`.
     gravity : (float, float)
         Acceleration of gravity [m/s^2].
     hinges : {"clearance", "ideal"}
@@ -141,9 +142,9 @@ def two_sprocket_drive(
     profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth, optional
         Tooth form of both sprockets; by default that of the chain's standard with this `seat`.
     rollers : {"fixed", "bodies"}
-        Of a chain by name; see `catalogue_chain`.
+        For a chain given by its name; see `catalogue_chain`.
     plates : {"rigid", "elastic"}
-        Of a chain by name; see `catalogue_chain`.
+        For a chain given by its name; see `catalogue_chain`.
 
     Examples
     --------
@@ -230,12 +231,12 @@ def catalogue_chain(
     strands : int, optional
         Parallel strands on common pins; by default those of the name, or 1.
     rollers : {"fixed", "bodies"}
-        "fixed": a roller chain as a bushing chain of the roller's outside diameter, whose inner
-        links carry the rollers' mass. "bodies": every roller is a body that turns on its bushing
-        with clearance; mass, inertia and bore are derived. Chains without rollers have none to make
-        bodies.
+        "fixed": a roller chain is a bushing chain of the roller's outside diameter, and the inner
+        links have the mass of the rollers. "bodies": every roller is a body that turns on its
+        bushing with clearance; mass, inertia and bore are derived. Sizes without rollers permit
+        "fixed" alone.
     plates : {"rigid", "elastic"}
-        "elastic": links stretch as their plates do, whose cross-sections are derived.
+        "elastic": links have the axial stiffness of their plates, whose cross-sections are derived.
 
     Examples
     --------

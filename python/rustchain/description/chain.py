@@ -132,7 +132,7 @@ class Chain(Description):
     links : int
         Number of links, 4 to 100,000.
     inner, outer : Link
-        The inner link (two bushings) and the outer link (two pins).
+        Inner link (two bushings) and outer link (two pins).
     hinge : ClearanceHinge
         Pin and bore of every hinge.
     bushing_radius : float
@@ -142,27 +142,29 @@ class Chain(Description):
     material : Material
         Material of chain and sprockets.
     name : str
-        For people to read.
+        Name for reports and figures.
     offset : Link, optional
-        The offset link of an odd number; by default the mean of an inner and an outer one.
+        Offset link of an odd number of links; by default the mean of an inner and an outer one.
     strands : int
-        Parallel strands on common pins. Masses, inertias and lengths of contact are those of one
-        strand; all are multiplied.
+        Number of parallel strands on common pins. Masses, inertias and lengths of contact are those
+        of one strand; the run multiplies them by the number of strands.
     elongation : float or sequence of float
-        Share of the pitch by which all links, or each, are longer: wear, seen as length.
+        Increase of the length of all links, or of each link, as a share of the pitch: wear.
     pitch_spread : float
-        Standard deviation of the lengths of links by manufacture, as a share of the pitch.
+        Standard deviation of the lengths of links due to manufacture, as a share of the pitch.
     seed : int
-        Which links the spread makes longer and which shorter.
+        Seed of the random deviations of `pitch_spread`.
     roller : Roller, optional
-        One on every bushing, a body of its own, in contact with the teeth in place of the bushing;
-        inner links then go without the rollers' mass. By default a bushing chain.
+        Roller on every bushing: a body of its own, in contact with the teeth in place of the
+        bushing. The masses of inner links are then without rollers. By default the chain is a
+        bushing chain.
     link_stiffness : float or Plates, optional
         Axial stiffness of a link of one strand [N/m], or the plates from which it follows. It is in
-        series with the contacts of the hinges, half of the link with each. None: links are rigid.
+        series with the contacts of the hinges, half of the link with each. By default links are
+        rigid.
     carried : sequence of (link, mass)
-        What links carry in their middle, by their numbers from 1 [kg]: slats, buckets, goods; all
-        strands together.
+        Masses in the middle of links [kg], with the numbers of the links from 1: slats, buckets,
+        goods. A mass is that on all strands together.
 
     Examples
     --------

@@ -75,24 +75,25 @@ class ChainDrive(Description, HtmlView):
     chain : Chain
         The chain.
     sprockets : sequence of Sprocket
-        In the order along the chain, in either direction; the driver first by custom.
+        Sprockets in their order along the chain, in either direction. The first one is usually the
+        driver.
     tensioner : Tensioner, optional
-        Without one, the centres are fixed.
+        Tensioner of one sprocket. Without it, the centres are fixed.
     gravity : (float, float)
         Acceleration of gravity [m/s^2].
     name : str
-        For people to read.
+        Name for reports and figures.
     hinges : {"clearance", "ideal"}
         Pins with clearance in their bushings, or joints without clearance. Joints need a closed
         chain of rigid links, and have neither friction nor film.
     guides : sequence of GuideRail and SmoothIdler
         Rails, blades and smooth idlers. The initial configuration is generated without them: they
-        begin beside the chain, blades swung back on their arms.
+        begin beside the chain, and blades are swung back on their arms.
     ends : (end, end), optional
-        Ends of an open chain, before its first link and behind its last one, each an
-        `AnchoredEnd`, a `LoadedEnd` or a `FreeEnd`; by default the chain is closed. The first link
-        is an inner one. An open chain may run over no sprocket at all, and `side` then
-        gives the sprockets on the same side of it.
+        Ends of an open chain, before its first link and behind its last one: each an `AnchoredEnd`,
+        a `LoadedEnd` or a `FreeEnd`. By default the chain is closed. The first link of an open
+        chain is an inner one. An open chain needs no sprocket; sprockets with the same `side` are
+        on the same side of it.
 
     Examples
     --------

@@ -19,13 +19,14 @@ class AnchoredEnd(Description):
     Attributes
     ----------
     position : (float, float)
-        Where it is at the start [m].
+        Position of the pin at the start [m].
     velocity : (x, y) or rows of (time, x, y)
-        Its velocity [m/s]: two numbers or signals (`Table`, `Spline`, `Sines`, `SmoothStep`), or
-        rows, linear between them and constant outside. The position is its integral.
+        Velocity of the pin [m/s]: two numbers or signals (`Table`, `Spline`, `Sines`,
+        `SmoothStep`), or rows. Rows are linear between each other and constant outside. The
+        position is the integral.
     links : int, optional
-        Links between it and the first sprocket; by default as few as reach, unless the number of
-        the other end is given.
+        Links between this end and the first sprocket. By default the smallest number that reaches
+        it, or the remaining links if the other end has a number.
 
     Examples
     --------
@@ -49,12 +50,12 @@ class LoadedEnd(Description):
     inertia : float, optional
         Moment of inertia about its centre of mass [kg m^2]; by default that of a ball of steel.
     arm : float
-        From its pin to its centre of mass [m].
+        Distance from its pin to its centre of mass [m].
     position : (float, float), optional
-        Where its pin is at the start [m]; by default straight below the last sprocket, or below the
-        other end where there is no sprocket.
+        Position of its pin at the start [m]; by default straight below the last sprocket, or below
+        the other end where there is no sprocket.
     links : int, optional
-        Links between it and the first sprocket; by default what is left.
+        Links between this end and the nearest sprocket; by default the remaining links.
 
     Examples
     --------
@@ -76,10 +77,10 @@ class FreeEnd(Description):
     Attributes
     ----------
     position : (float, float), optional
-        Where it is at the start [m]; by default straight below the last sprocket, or below the
-        other end where there is no sprocket.
+        Position of the end at the start [m]; by default straight below the last sprocket, or below
+        the other end where there is no sprocket.
     links : int, optional
-        Links between it and the first sprocket; by default what is left.
+        Links between this end and the nearest sprocket; by default the remaining links.
 
     Examples
     --------

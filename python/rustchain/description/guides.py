@@ -22,18 +22,18 @@ class GuideArm(Description):
     Attributes
     ----------
     pivot : (float, float)
-        Where the arm turns [m].
+        Position of the pivot of the arm [m].
     force : float
-        Full force of the plunger where the rail is described [N].
+        Full force of the plunger at the described position of the rail [N].
     ramp_time : float
-        Time over which it grows from zero [s].
+        Time over which the force grows from zero [s].
     stiffness : float
         Reduction of the force per displacement of the plunger [N/m].
     damping : float
-        Dashpot of the plunger [N s/m].
+        Damping coefficient of the dashpot of the plunger [N s/m].
     damping_back : float, optional
-        Dashpot while the arm moves back [N s/m], by default the same. It describes the leak of a
-        hydraulic tensioner with a check valve.
+        Damping coefficient while the arm moves back [N s/m], by default the same. It describes the
+        leak of a hydraulic tensioner with a check valve.
     travel : (float, float), optional
         Largest displacements of the plunger, back and out, from the described position of the rail
         [m], with stops of 1e7 N/m. By default there are no stops.
@@ -69,23 +69,24 @@ class GuideRail(Description):
     Attributes
     ----------
     center : (float, float)
-        Its middle, half-way between the centres of its round ends [m].
+        Middle of the rail [m], half-way between the centres of its round ends.
     direction : (float, float)
-        Out of the face on which the chain runs.
+        Direction out of the face on which the chain runs.
     length : float
-        Length over its round ends [m].
+        Length over the round ends [m].
     radius : float, optional
-        Radius of its arched faces [m], negative where they are hollow; by default they are
-        straight. The depth of a hollow bar follows from its hollow face.
+        Radius of the arched faces [m], negative for hollow faces; by default they are straight. The
+        depth of a hollow bar follows from its hollow face.
     end_radius : float
-        Radius of its ends [m]: half the thickness of a straight bar.
+        Radius of the ends [m]: half the thickness of a straight bar.
     arm : GuideArm, optional
-        What swings it; by default it is fixed.
+        Arm that carries the rail; by default the rail is fixed.
     material : Material, optional
-        Its own elastic constants; by default those of the chain. The restitution is the chain's.
+        Elastic constants of the guide; by default those of the chain. The restitution is that of
+        the chain.
     plate_height : float, optional
-        Height of the link plates [m], where their round ends about the hinges are in contact with
-        it; by default the bushings are.
+        Height of the link plates [m] if plates are in contact with the guide; their ends are round
+        about the hinges. By default the bushings are in contact.
 
     Examples
     --------
@@ -123,12 +124,13 @@ class SmoothIdler(Description):
     center : (float, float)
         Centre [m].
     inertia : float, optional
-        Moment of inertia [kg m^2] of a wheel that can turn; by default it cannot.
+        Moment of inertia [kg m^2] of an idler that can turn; by default it does not turn.
     material : Material, optional
-        Its own elastic constants; by default those of the chain. The restitution is the chain's.
+        Elastic constants of the guide; by default those of the chain. The restitution is that of
+        the chain.
     plate_height : float, optional
-        Height of the link plates [m], where their round ends about the hinges are in contact with
-        it; by default the bushings are.
+        Height of the link plates [m] if plates are in contact with the guide; their ends are round
+        about the hinges. By default the bushings are in contact.
 
     Examples
     --------

@@ -38,7 +38,7 @@ class Scene(Description):
     force_law : ForceLaw
         Law of every contact of a drive. The contacts of a mechanism have laws of their own.
     hinge_law, tooth_law : ForceLaw, optional
-        Law of pins in bushings, of bushings on teeth; by default `force_law`.
+        Law of pins in bushings, and law of bushings on teeth; by default `force_law`.
     min_impact_velocity : float
         Lower bound on the initial impact velocity used by the damping factor [m/s]. Prevents
         unbounded damping of slow contacts. ``min_approach_speed`` is another name of it.
@@ -53,9 +53,9 @@ class Scene(Description):
         drivers held there, and without friction. The sprockets' speeds are those of the
         generated start, the velocities of a mechanism those described.
     positions, velocities : array_like, (bodies, 3), optional
-        Initial positions [m, m, rad] and velocities [m/s, m/s, rad/s]; by default the generated.
-        Positions need velocities with them; velocities alone go with the generated positions. What
-        the drive fixes must be in its place: sprockets on fixed bearings, guides, anchors.
+        Initial positions [m, m, rad] and velocities [m/s, m/s, rad/s]; by default those of `start`.
+        Positions need velocities with them; velocities alone go with the generated positions.
+        Sprockets on fixed bearings, guides and anchors must be at their described positions.
 
     Raises
     ------

@@ -27,9 +27,9 @@ class SmoothStep(_Signal):
     Attributes
     ----------
     start, end : float
-        When it changes [s].
+        Beginning and end of the change [s].
     before, after : float
-        Values.
+        Values before and after it.
 
     Examples
     --------
@@ -53,7 +53,7 @@ class Table(_Signal):
     Attributes
     ----------
     rows : sequence of (time, value)
-        At least one; times increase.
+        One row or more; times increase.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class Spline(_Signal):
     Attributes
     ----------
     rows : sequence of (time, value)
-        At least two; times increase.
+        Two rows or more; times increase.
 
     Examples
     --------
@@ -92,7 +92,7 @@ class Sines(_Signal):
     Attributes
     ----------
     terms : sequence of (amplitude, angular frequency, phase)
-        The sines [rad/s], [rad].
+        Amplitude, angular frequency [rad/s] and phase [rad] of each sine.
     offset : float
         Mean value.
 

@@ -65,8 +65,8 @@ class AppliedTorque(Description):
     torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep
         Torque [N m] over time [s], counterclockwise positive.
     curve : rows of (speed, torque) or Table, optional
-        Torque that the sprocket's own speed [rad/s] adds: a motor's or a load's curve, linear
-        between the rows and constant outside them.
+        Additional torque [N m] over the speed of the sprocket [rad/s]: the curve of a motor or a
+        load. It is linear between the rows and constant outside them.
 
     Examples
     --------
@@ -104,33 +104,35 @@ class Sprocket(Description):
     Attributes
     ----------
     teeth : int
-        Number of teeth.
+        Number of teeth: 5 to 1000, with ISO teeth 9 to 150.
     center : (float, float)
         Centre at the start [m].
     motion : PrescribedSpeed, AppliedTorque or Free
-        What turns it.
+        Prescribed speed, applied torque, or neither.
     profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth
-        Tooth form.
+        Tooth form. The default is that of ANSI chains, also with a chain of ISO 606: give
+        `IsoTooth` for the teeth of that standard.
     mass, inertia : float, optional
         Mass [kg] and moment of inertia [kg m^2]; by default those of a steel disc of the pitch
         radius, as thick as the chain's `tooth_contact_length`.
     initial_speed : float, optional
-        Speed at the start [rad/s]; by default what the motion prescribes or the chain carries over.
+        Speed at the start [rad/s]; by default that of the motion, or that which follows from the
+        chain.
     bearing : {"fixed", "floating"}
-        Whether the centre is held.
+        "fixed": the centre is held, or moved by the tensioner. "floating": it is free in the plane.
     side : {"inside", "outside"}
-        On which side of the chain's loop it stands: a sprocket outside is a reverse idler, which
+        Side of the chain on which the sprocket is: a sprocket outside is a reverse idler, which
         presses the chain inward and turns against the driver.
     load_inertia : float
-        Moment of inertia of all that turns with it [kg m^2]: shaft, load, motor.
+        Moment of inertia of the parts that turn with the sprocket [kg m^2]: shaft, load, motor.
     eccentricity : float
-        Distance of the teeth's centre from the bore's [m], half the full radial runout. The centre
-        of gravity stays in the bore.
+        Distance between the centre of the teeth and the centre of the bore [m], half of the full
+        radial runout. The centre of gravity is in the bore.
     eccentricity_angle : float
-        Direction of the teeth's centre, from that of gap 0 [rad].
+        Direction of the centre of the teeth, from the direction of gap 0 [rad].
     damaged_teeth : sequence of (int, float)
-        Teeth that are not whole, and the share of their height above the bottom of the gap that is
-        left; 0: gone. Tooth k, from 0, lies between gaps k and k + 1.
+        Damaged teeth, and the share of their height above the bottom of the gap that is left; 0:
+        the tooth is missing. Tooth k, from 0, lies between gaps k and k + 1.
 
     Examples
     --------

@@ -17,16 +17,16 @@ class AnsiTooth(Description):
     Attributes
     ----------
     seat : {"bottom-diameter", "pitch-circle"}
-        Position of the seat's centre. In the standard it is outside the pitch circle, so that a
-        seated bushing's centre is on it. On the pitch circle itself, a seated bushing has clearance
-        all round.
+        Position of the centre of the seat. In the standard it is outside the pitch circle, so that
+        the centre of a seated bushing is on the pitch circle. With the centre on the pitch circle,
+        a seated bushing has clearance all round.
     roller_diameter : float, optional
-        The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
+        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings.
     tip : {"full", "cut"}
-        Whether the topping curves go on to the middle of the tooth, as in the published model, or
-        end at the outside diameter in an edge.
+        "full": the topping curves continue to the middle of the tooth, as in the published model.
+        "cut": they end at the outside diameter in an edge.
     edge_radius : float, optional
-        Radius of that edge [m]; by default 0.025 of the roller diameter.
+        Radius of the edge of a cut tip [m]; by default 0.025 of the roller diameter.
 
     Examples
     --------
@@ -47,14 +47,16 @@ class IsoTooth(Description):
     Attributes
     ----------
     gap : float or "minimum" or "maximum"
-        From the standard's minimum gap form, 0, to its maximum, 1; each dimension in proportion.
+        Gap form between the standard's minimum, 0, and its maximum, 1. Each dimension is
+        interpolated.
     seat : {"bottom-diameter", "pitch-circle"}
-        Where the seat's centre lies; see `AnsiTooth`. The bottom diameter is the pitch diameter
-        less the roller's, or less twice the seat's radius.
+        Position of the centre of the seat, as in `AnsiTooth`. The bottom diameter is the pitch
+        diameter less the roller diameter, or less twice the seat radius.
     roller_diameter : float, optional
-        The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
+        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings.
     tip_diameter : float, optional
-        [m]; by default the middle of the standard's range, or its least where that is pointed.
+        Tip diameter [m]; by default the middle of the standard's range, or its smallest value where
+        the tooth would be pointed.
     edge_radius : float, optional
         Radius of the edge at the tip [m]; by default 0.025 of the roller diameter.
 
@@ -80,13 +82,13 @@ class StraightTooth(Description):
     flank_angle : float
         Angle between a flank and the middle of the gap [rad].
     seat_radius : float, optional
-        [m]; by default 0.505 roller diameters.
+        Radius of the seat [m]; by default 0.505 roller diameters.
     seat : {"bottom-diameter", "pitch-circle"}
-        Where the seat's centre lies; see `AnsiTooth`.
+        Position of the centre of the seat, as in `AnsiTooth`.
     roller_diameter : float, optional
-        The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
+        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings.
     tip_diameter : float, optional
-        [m]; by default as of an `IsoTooth`.
+        Tip diameter [m]; by default that of an `IsoTooth`.
     edge_radius : float, optional
         Radius of the edge at the tip [m]; by default 0.025 of the roller diameter.
 
@@ -111,7 +113,8 @@ class ToothLine(Description):
     Attributes
     ----------
     start, end : (float, float)
-        Across the gap and outward through its middle, from the sprocket's centre [m].
+        Ends (u, v) [m] from the centre of the sprocket: u across the gap, v outward through its
+        middle.
 
     Examples
     --------
@@ -130,8 +133,9 @@ class ToothArc(Description):
     Attributes
     ----------
     start, end, center : (float, float)
-        Across the gap and outward through its middle, from the sprocket's centre [m]. With the
-        centre on the left in the direction from start to end the arc is hollow, else convex.
+        Ends and centre (u, v) [m] from the centre of the sprocket: u across the gap, v outward
+        through its middle. If the centre is on the left in the direction from start to end, the arc
+        is hollow, else convex.
 
     Examples
     --------
@@ -151,11 +155,11 @@ class CustomTooth(Description):
     Attributes
     ----------
     pieces : sequence of ToothLine and ToothArc
-        The right half of a gap, from its middle (u = 0, level) up the flank; the left half mirrors
-        it. The material lies on the right in the direction of the pieces. Joints may be off by 1e-7
-        m and 1e-4 rad.
+        Right half of a gap, from its middle (u = 0, level) up the flank; the left half mirrors it.
+        The material lies on the right in the direction of the pieces. Gaps of 1e-7 m and angles of
+        1e-4 rad between pieces are permitted.
     tip_diameter : float, optional
-        Where the tooth is cut off [m]; without it, the pieces end level in the middle of the tooth.
+        Tip diameter [m]. Without it, the last piece ends level in the middle of the tooth.
     edge_radius : float, optional
         Radius of the edge of a cut tip [m]; by default 0.025 of the bushings' diameter.
 

@@ -18,21 +18,21 @@ class Tensioner(Description):
     ramp_time : float
         Time over which the force grows from zero [s].
     damping : float
-        Damping of the slide [N s/m].
+        Damping coefficient of the slide [N s/m].
     damping_back : float, optional
-        Damping while the centre moves back against the force [N s/m], by default the same. It
-        describes the leak of a hydraulic tensioner with a check valve.
+        Damping coefficient while the centre moves back against the force [N s/m], by default the
+        same. It describes the leak of a hydraulic tensioner with a check valve.
     direction : (float, float), optional
         Direction of the force; by default away from the other one of two sprockets. With more
         sprockets it is the bisector that tightens both strands alike.
     stiffness : float
-        Reduction of the force per displacement along it [N/m]: the stiffness of a spring.
+        Reduction of the tensioner force per displacement along it [N/m]: the stiffness of a spring.
     travel : (float, float), optional
         Largest displacements of the centre against the force and along it [m], with stops of 1e7
-        N/m; 0 for the first one: no motion against the force. By default there are no stops.
+        N/m. A first number of 0 permits no motion against the force. By default there are no stops.
     pivot : (float, float), optional
-        Where the arm turns that carries the sprocket [m]; by default the sprocket slides. Lengths,
-        stiffness and damping then count along the circle of the centre.
+        Pivot of the arm that carries the sprocket [m]; by default the sprocket slides. Lengths,
+        stiffness and damping are then those along the circle of the centre.
     arm_inertia : float
         Moment of inertia of the arm about its pivot, without the sprocket [kg m^2].
     ratchet : float, optional

@@ -259,7 +259,7 @@ class TimeReached(StopCondition):
     Attributes
     ----------
     time : float
-        [s].
+        Time [s].
     """
 
     time: float

@@ -120,7 +120,7 @@ class ForceLaw(Description):
 
 @description(frozen=True)
 class Hertz(ForceLaw):
-    """Hertz's contact of spheres, undamped unless asked: (4/3) E* sqrt(Ri Rj / dR) delta^1.5.
+    """Hertz's contact of spheres, undamped by default: (4/3) E* sqrt(Ri Rj / dR) delta^1.5.
 
     Examples
     --------
@@ -150,7 +150,7 @@ class LankaraniNikravesh(ForceLaw):
 
 @description(frozen=True)
 class Johnson(ForceLaw):
-    """Johnson's contact of cylinders (1985), implicit in the force; undamped unless asked.
+    """Johnson's contact of cylinders (1985), implicit in the force; undamped by default.
 
     Examples
     --------
@@ -169,8 +169,8 @@ class EnhancedCylinder(ForceLaw):
     Attributes
     ----------
     coefficients : {"2010", "2015"}
-        Of internal contact as published at ECCM 2010, or in Multibody System Dynamics 35 (2015);
-        those of external contact are the same.
+        Coefficients of internal contacts: those of ECCM 2010, or those of Multibody System Dynamics
+        35 (2015). Both sets have the same coefficients of external contacts.
 
     Examples
     --------
@@ -187,7 +187,7 @@ class EnhancedCylinder(ForceLaw):
 
 @description(frozen=True)
 class HertzCylinder(ForceLaw):
-    """Hertz's cylinders as two half-planes, implicit in the force; undamped unless asked.
+    """Hertz's cylinders as two half-planes, implicit in the force; undamped by default.
 
     Examples
     --------
@@ -201,7 +201,7 @@ class HertzCylinder(ForceLaw):
 
 @description(frozen=True)
 class Radzimovsky(ForceLaw):
-    """Radzimovsky's contact of cylinders (1953), implicit in the force; undamped unless asked.
+    """Radzimovsky's contact of cylinders (1953), implicit in the force; undamped by default.
 
     Examples
     --------
@@ -215,7 +215,7 @@ class Radzimovsky(ForceLaw):
 
 @description(frozen=True)
 class Esdu78035(ForceLaw):
-    """Contact of cylinders after ESDU 78035, implicit in the force; undamped unless asked.
+    """Contact of cylinders after ESDU 78035, implicit in the force; undamped by default.
 
     Examples
     --------
@@ -229,7 +229,7 @@ class Esdu78035(ForceLaw):
 
 @description(frozen=True)
 class LiuConformal(ForceLaw):
-    """Liu, Zhang and Yang's pin in a close bore (2007), undamped unless asked.
+    """Liu, Zhang and Yang's pin in a close bore (2007), undamped by default.
 
     Between convex surfaces, as on a tooth's flat and tip, it is a formality and warns.
 
@@ -245,7 +245,7 @@ class LiuConformal(ForceLaw):
 
 @description(frozen=True)
 class Linear(ForceLaw):
-    """A constant stiffness, whatever the surfaces; undamped unless asked.
+    """A constant stiffness, whatever the surfaces; undamped by default.
 
     Its damping is a restitution's, as that of every law here. A dashpot beside the spring is
     `LinearContact`, in a mechanism.
@@ -253,7 +253,7 @@ class Linear(ForceLaw):
     Attributes
     ----------
     stiffness : float
-        [N/m].
+        Stiffness [N/m].
 
     Examples
     --------

@@ -22,9 +22,10 @@ class Coulomb(Description):
         "threlfall": 1 - exp(-3 v/speed) up to `speed`, constant above, 0.950 (Threlfall 1978).
         "ambrosio": zero up to `dead_speed`, then a straight line to one at `speed` (Ambrosio 2003).
     speed : float
-        Slip speed at which friction is (nearly) full [m/s].
+        Sliding velocity at which the friction force reaches, or nearly reaches, its full value
+        [m/s].
     dead_speed : float
-        Slip speed up to which there is none [m/s]; of "ambrosio" alone.
+        Sliding velocity up to which there is no friction [m/s]; for "ambrosio" only.
 
     Examples
     --------
@@ -40,7 +41,7 @@ class Coulomb(Description):
 
 @description(frozen=True)
 class LuGre(Description):
-    """Friction of bristles that bend before they slip; it sticks, and needs less to break away.
+    """LuGre friction: bristles bend before they slip. A contact can stick.
 
     With f the normal force, s the sliding velocity and z the deflection of the bristles of a
     contact::
@@ -57,20 +58,22 @@ class LuGre(Description):
     Attributes
     ----------
     static_coefficient : float
-        Friction force over normal force that bristles hold at rest.
+        Static friction: largest friction force at rest over the normal force.
     kinetic_coefficient : float
-        What is left of it at full slip.
+        Kinetic friction: friction force at full slip over the normal force.
     stiffness : float
-        Of the bristles, a newton of normal force [1/m]: static_coefficient / stiffness is how far
-        a contact gives way before it slips.
+        Stiffness of the bristles over the normal force [1/m]. The deflection before slip is
+        static_coefficient / stiffness.
     damping : float
-        Of the bristles at rest, a newton of normal force [s/m].
+        Damping of the bristles at rest over the normal force [s/m].
     viscous_coefficient : float
-        Friction that grows with the slip, a newton of normal force [s/m].
+        Friction force proportional to the sliding velocity, over the normal force [s/m].
     stribeck_speed : float
-        Slip speed about which the coefficient falls [m/s].
+        Sliding velocity about which friction falls from the static to the kinetic coefficient
+        [m/s].
     stribeck_exponent : float
-        How steeply, 0.1 to 10: 2 in the law's first form, 0.5 to 1 for other materials.
+        Exponent of that fall, 0.1 to 10: 2 in the first form of the law, 0.5 to 1 for other
+        materials.
 
     Examples
     --------

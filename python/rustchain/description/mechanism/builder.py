@@ -42,11 +42,12 @@ class Mechanism(WithJoints, WithForces, WithContacts, HtmlView):
     Parameters
     ----------
     gravity : (float, float)
-        [m/s^2].
+        Acceleration of gravity [m/s^2].
     name : str
-        For people to read.
+        Name for reports and figures.
     bodies, joints, forces, contacts : sequences of parts
-        Kept as tuples. Parts, as the methods ``add_...`` make them; by default none.
+        Parts, as the methods ``add_...`` make them; by default none. The mechanism keeps them as
+        tuples.
 
     Examples
     --------

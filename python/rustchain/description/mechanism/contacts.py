@@ -38,7 +38,7 @@ class WithContacts:
         bore, pin : str
             Names of the bodies that carry them; "ground" is the frame that does not move.
         bore_radius, pin_radius : float
-            [m]; the difference is the clearance.
+            Radii of bore and pin [m]; their difference is the clearance.
         law : LinearContact, HuntCrossley or SurfaceContact
             Contact law.
         bore_point, pin_point : (float, float)
@@ -60,7 +60,7 @@ class WithContacts:
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
     ) -> None:
-        """Let two discs touch from outside.
+        """Add a contact of two discs, from outside.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class WithContacts:
         body_a, body_b : str
             Names of the bodies that carry them.
         radius_a, radius_b : float
-            Of the discs [m].
+            Radii of the discs [m].
         law : LinearContact, HuntCrossley or SurfaceContact
             Contact law.
         point_a, point_b : (float, float)
@@ -92,7 +92,7 @@ class WithContacts:
         bulges: Sequence[float] | None = None,
         closed: bool = True,
     ) -> None:
-        """Let a circle of one body touch an outline on another.
+        """Add a contact of a circle on one body with an outline on another.
 
         Parameters
         ----------
@@ -104,14 +104,14 @@ class WithContacts:
             Corners in the frame of the body [m]; the material lies on the left of the path
             through them. Two points and ``closed=False`` make a segment.
         radius : float
-            Of the circle [m].
+            Radius of the circle [m].
         law : LinearContact, HuntCrossley or SurfaceContact
             Contact law.
         circle_point : (float, float)
             Centre of the circle in the frame of its body [m].
         bulges : sequence of float, optional
-            For each piece the tangent of a quarter of the angle of its arc: positive where the
-            outline is convex, negative where it is concave, 0 for a straight line.
+            Shape of each piece: the tangent of a quarter of the angle of its arc. It is positive
+            where the outline is convex, negative where it is concave, 0 for a straight line.
         closed : bool
             Whether the last point is joined to the first.
         """
@@ -132,7 +132,7 @@ class WithContacts:
         law: ContactLaw,
         circle_point: Point = (0.0, 0.0),
     ) -> None:
-        """Let a bushing of `chain` around a point of one body touch the teeth of another.
+        """Add a contact of a bushing of `chain` on one body with the teeth of another.
 
         Parameters
         ----------
@@ -141,10 +141,10 @@ class WithContacts:
         wheel, circle : str
             Names of the bodies that carry the teeth and the bushing.
         sprocket : Sprocket
-            Number and profile of the teeth.
+            Sprocket with the number of teeth and the profile.
         chain : Chain
-            Its pitch and the radius of its bushings or rollers; length and material of the contact
-            are those of the law.
+            Chain with the pitch and the radius of its bushings or rollers. Length and material of
+            the contact are those of the law.
         law : LinearContact, HuntCrossley or SurfaceContact
             Contact law.
         circle_point : (float, float)

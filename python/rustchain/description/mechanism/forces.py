@@ -125,7 +125,7 @@ class WithForces:
         cubic: float = 0.0,
         table: Curve | None = None,
     ) -> None:
-        """Put a spring and damper between two points.
+        """Add a spring and damper between two points.
 
         Parameters
         ----------
@@ -136,11 +136,12 @@ class WithForces:
         point_a, point_b : (float, float)
             Points in the frames of the bodies [m].
         stiffness, damping, cubic : float
-            [N/m], [N s/m] and [N/m^3]: tension = stiffness * x + cubic * x^3 + damping * x'.
+            Stiffness [N/m], damping [N s/m] and cubic coefficient [N/m^3]. With the elongation x
+            the tension is stiffness * x + cubic * x^3 + damping * x'.
         rest_length : float, optional
             Length without force [m], by default as placed.
         table : sequence of (elongation [m], tension [N]), optional
-            In place of stiffness and cubic.
+            Tension over elongation, in place of `stiffness` and `cubic`.
         """
         if rest_length is not None and rest_length < 0:
             msg = (
@@ -186,12 +187,12 @@ class WithForces:
         body_a, body_b : str
             Names of the bodies; "ground" is the frame that does not move.
         stiffness, damping, cubic : float
-            [N m/rad], [N m s/rad] and [N m/rad^3]. The torque against the rotation x of b relative
-            to a is stiffness * x + cubic * x^3 + damping * x'.
+            Stiffness [N m/rad], damping [N m s/rad] and cubic coefficient [N m/rad^3]. The torque
+            against the rotation x of b relative to a is stiffness * x + cubic * x^3 + damping * x'.
         rest_angle : float, optional
             Angle of b minus that of a without torque [rad]; by default as placed.
         table : sequence of (rotation [rad], torque [N m]), optional
-            In place of stiffness and cubic.
+            Torque over rotation, in place of `stiffness` and `cubic`.
         """
         _check_stiffness(name, stiffness, cubic, "N m/rad")
         self.forces = (
@@ -210,7 +211,7 @@ class WithForces:
         )
 
     def add_callable(self, name: str, body: str, function: LoadFunction) -> None:
-        """Load a body by a function of Python: for prototypes, clearly slower than the rest.
+        """Add a load on a body by a Python function: for prototypes, slower than other forces.
 
         Parameters
         ----------

@@ -25,12 +25,13 @@ _STEEL = Material()
 
 @description(frozen=True)
 class LinearContact(Typed):
-    """Contact force: stiffness * penetration + damping * its rate, never pulling.
+    """Contact force: stiffness * penetration + damping * its rate, never tensile.
 
     Attributes
     ----------
     stiffness, damping : float
-        [N/m] and [N s/m]; with a length, [N/m^2] and [N s/m^2] of it.
+        Stiffness [N/m] and damping [N s/m]; with a `length` they are per metre of length, [N/m^2]
+        and [N s/m^2].
     length : float, optional
         Length of contact [m].
     friction : Coulomb or LuGre, optional
@@ -53,16 +54,16 @@ class LinearContact(Typed):
 
 @description(frozen=True)
 class HuntCrossley(Typed):
-    """Contact force: stiffness * penetration**exponent * (1 + damping * rate), never pulling.
+    """Contact force: stiffness * penetration**exponent * (1 + damping * rate), never tensile.
 
     Attributes
     ----------
     stiffness : float
-        [N/m**exponent].
+        Stiffness [N/m**exponent].
     exponent : float
-        1 to 10.
+        Exponent of the penetration, 1 to 10.
     damping : float
-        [s/m].
+        Factor of the penetration rate [s/m].
     friction : Coulomb or LuGre, optional
         Friction of the surfaces.
     film : LubricantFilm, optional
@@ -88,13 +89,13 @@ class SurfaceContact(Typed):
     Attributes
     ----------
     law : ForceLaw
-        With its friction and, in clearance joints, its film.
+        Force law, with its friction and, in clearance joints, its film.
     length : float
         Length of contact along the axis of the cylinders [m], 0.01 m by default. The laws of Hertz
         and of Lankarani and Nikravesh do not depend on it.
     material : Material
-        Of both surfaces, by default the published drive's steel; its restitution goes into the
-        damping.
+        Material of both surfaces, by default the steel of the published drive. Its restitution
+        determines the damping.
     min_impact_velocity : float
         Lower bound on the initial impact velocity used by the damping factor [m/s].
 
