@@ -29,11 +29,11 @@ class Hinge(ArrayValue):
     time : ndarray, (times,)
         Report times [s].
     force, penetration : ndarray, (times,)
-        Normal force [N] and penetration [m]; penetration is negative when apart. Of an ideal
-        hinge, the force that it transmits and the distance of its two ends, which is an error of
-        the integration.
+        Normal force [N] and penetration [m]; penetration is negative when apart. With a lubricant
+        film, the size of the whole force. Of an ideal hinge, the force that it transmits and the
+        distance of its two ends, which is an error of the integration.
     force_vector : ndarray, (times, 2)
-        Force on the pin, friction, film and all [N].
+        Force on the pin, friction and film included [N].
     eccentricity : ndarray, (times, 2)
         Pin centre seen from the bushing [m].
     film_force : ndarray, (times,), optional
@@ -55,7 +55,7 @@ class Hinge(ArrayValue):
 @named_attributes
 @dataclass(frozen=True, eq=False)
 class Bushing(ArrayValue):
-    """One bushing's deepest contact with a tooth, over time.
+    """The contact of largest penetration of one bushing with a tooth, over time.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class RollerOnBushing(ArrayValue):
     force, penetration : ndarray, (times,)
         Normal force of the bushing in the bore [N] and penetration [m], negative when apart.
     force_vector : ndarray, (times, 2)
-        Force of the bushing on the roller, friction and all [N].
+        Force of the bushing on the roller, friction included [N].
     eccentricity : ndarray, (times, 2)
         Bushing's centre seen from the roller's [m].
     position, velocity : ndarray, (times, 3), optional
@@ -191,8 +191,8 @@ class Energy(ArrayValue):
         Residual of the energy balance [J]: the error measure of a long run.
     hinge_contact, tooth_contact, hinge_friction, tooth_friction : ndarray, (times,), optional
         Parts of `dissipated` [J]: damping of contacts and friction, of pins in bushings and of
-        bushings on teeth; the remainder is that of dashpots. Only of chain drives with
-        clearance in their hinges.
+        bushings on teeth; the remainder is that of dashpots. Only of chain drives; those of hinges
+        only with clearance.
     roller_contact, roller_friction : ndarray, (times,), optional
         The same of bushings in rollers, where those are bodies.
     hinge_film : ndarray, (times,), optional

@@ -127,7 +127,7 @@ class Simulation(Present):
 
     @known_keywords
     def set_speed(self, part: str | int, speed: Signal) -> None:
-        """Let a sprocket or a driver have another speed from now on; its position does not jump.
+        """Set the speed of a sprocket or a driver from now on; its position does not jump.
 
         For co-simulation, between calls of `step_to`, or in a run's `callback`. The integrator goes
         back to the present time and restarts there. Contacts keep their impact velocity memory, the
@@ -157,7 +157,7 @@ class Simulation(Present):
 
     @known_keywords
     def set_torque(self, part: str | int, torque: Signal) -> None:
-        """Let a sprocket or a body be turned by another torque from now on; see `set_speed`.
+        """Set the torque on a sprocket or a body from now on; see `set_speed`.
 
         Parameters
         ----------
@@ -184,7 +184,7 @@ class Simulation(Present):
 
     @known_keywords
     def set_tensioner_force(self, force: float) -> None:
-        """Set another force of the tensioner from now on; see `set_speed`.
+        """Set the force of the tensioner from now on; see `set_speed`.
 
         Parameters
         ----------
@@ -284,9 +284,9 @@ class Simulation(Present):
             the energy exchanged, or 2e-4 of the kinetic and elastic energy, was dissipated, that
             value is the reference. Energy exchanged is the largest of the energy dissipated, the
             external work, and the changes of kinetic, gravitational and elastic energy. With
-            regions="sharp" no accuracy helps. A drive at rest, whose links move by no more than the
-            accuracy, is not checked. ``result.stats["largest_residual"]`` has the largest residual
-            [J].
+            regions="sharp" no accuracy helps. A drive at rest, whose links move by no more than
+            three times the permitted error of speeds, is not checked.
+            ``result.stats["largest_residual"]`` has the largest residual [J].
         ToothJumpWarning
             The chain has jumped teeth: how many, and the first; see `Result.tooth_jumps`.
         """
