@@ -50,7 +50,8 @@ impl MechanismModel {
     /// described positions; speeds of drivers are integrated from the new ones.
     ///
     /// # Errors
-    /// If there is not one row for each body, or the position of a fixed body is not the described one.
+    /// If there is not one row for each body, a number is not finite, the position of a fixed body is not the described one, or it has a
+    /// velocity.
     pub(crate) fn placed(
         mut self,
         positions: &[[f64; 3]],
@@ -71,6 +72,7 @@ impl MechanismModel {
                 ));
             }
             (body.position, body.velocity) = (*position, *velocity);
+            body.validate()?;
         }
         // A speed is integrated from the place where the bodies are.
         let frames = self.start_frames();

@@ -7,6 +7,8 @@ use crate::common::mechanisms::{
     Rows, bar, bar_chain, control, ground, record, revolute, simulation,
 };
 use rustchain::geometry::Vec2;
+use rustchain::integrator::StepControl;
+use rustchain::layout::InitialConfiguration;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel,
     PrescribedMotion, Profile, Tribology,
@@ -144,6 +146,34 @@ fn bounces_between_rows_are_exchanged_and_a_loss_beside_rows_is_still_told() {
     assert!(!warned, "{missing}");
     let (warned, missing) = note(3e-3, period);
     assert!(missing > 0.1 && warned, "{missing}");
+}
+
+#[test]
+fn a_start_that_moves_a_fixed_body_or_is_no_number_is_refused() {
+    let mut mechanism = Mechanism::default();
+    mechanism.bodies = vec![
+        Body::new("base", 1.0, 1.0).fixed(),
+        Body::new("ball", 1.0, 1.0),
+    ];
+    let refused = |velocities: [[f64; 3]; 2]| {
+        let model = MechanismModel::compile(&mechanism).unwrap();
+        let start = InitialConfiguration {
+            positions: vec![[0.0; 3]; 2],
+            velocities: velocities.to_vec(),
+            ..InitialConfiguration::default()
+        };
+        let control = StepControl::default();
+        let made = MechanismSimulation::assemble_from(model, &start, control, &|| false);
+        made.map_or_else(|error| error.to_string(), |_| String::new())
+    };
+    assert_eq!(refused([[0.0; 3], [1.0, 2.0, 3.0]]), "");
+    let error = refused([[0.0, 3.0, 0.0], [0.0; 3]]);
+    assert!(
+        error.contains("velocity of body \"base\"") && error.contains("zero"),
+        "{error}"
+    );
+    let error = refused([[0.0; 3], [0.0, f64::NAN, 0.0]]);
+    assert!(error.contains("velocity of body \"ball\""), "{error}");
 }
 
 #[test]
