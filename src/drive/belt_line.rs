@@ -113,7 +113,7 @@ fn refuse<T>(why: &str) -> Result<T> {
     Err(Error::Impossible(format!("no chain path exists: {why}")))
 }
 
-/// Return the pitch radius; zero for an invalid number of teeth, whose error the profile reports.
+/// Return the outside radius \[m\]; zero for an invalid profile, whose error the description reports.
 fn outside_radius(drive: &Drive, sprocket: &Sprocket) -> f64 {
     let profile = sprocket.tooth_profile(&drive.chain);
     profile.map_or(0.0, |profile| profile.outside_radius)

@@ -76,7 +76,7 @@ pub struct GuidePlacement {
     pub travel: [f64; 2],
     /// Number of bushings within half a pitch of its face.
     pub bushings: u32,
-    /// Strand or sprocket of the nearest bushing; `None` where none is near.
+    /// Strand or sprocket of the nearest bushing.
     pub place: String,
 }
 

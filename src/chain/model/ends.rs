@@ -142,11 +142,11 @@ impl OpenEnds {
     /// Return whether hinge `k` has a bushing; at a free end, the bushing may belong to the link itself.
     #[must_use]
     pub fn bushing_is_there(&self, k: usize) -> bool {
-        let [first, last] = &self.bodies;
+        let [_, last] = &self.bodies;
         if k == last.hinge && last.kind == EndKind::Free {
             return bushing_on_front(k, self.links + 2);
         }
-        k == first.hinge || k != self.links
+        k != self.links
     }
 
     /// Return the external power of the prescribed end motions at time `t` \[W\]: -Σ v · F over the anchored ends.
