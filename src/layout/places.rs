@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::InitialConfiguration;
-use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket};
+use crate::drive::{Bearing, ChainEnd, Drive, Mount, Rail, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::geometry::path::guide_path;
@@ -48,27 +48,7 @@ pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Resul
         if is_off(found, guide.bearing()) {
             return refuse(name, found, guide.bearing(), "it is held there");
         }
-        let (off, expected) = ((angle - guide.angle()).abs(), guide.angle());
-        let (is_off, expected) = match guide.mount {
-            Mount::Fixed => (
-                off > OFF_ITS_ANGLE,
-                format!("must be {expected} rad: it does not turn"),
-            ),
-            Mount::Arm(_) => (
-                off > PI,
-                format!(
-                    "must be {expected} rad, less than half a turn more or less: its stops are there"
-                ),
-            ),
-            Mount::Turning { .. } => continue,
-        };
-        if is_off {
-            return Err(Error::invalid(
-                format!("positions of {name}"),
-                format!("{angle} rad"),
-                expected,
-            ));
-        }
+        check_angle(guide, &name, angle)?;
     }
     let links = drive.chain.links as usize;
     for (end, number) in drive.ends.iter().flatten().zip([1, 2]) {
@@ -89,6 +69,27 @@ pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Resul
         }
     }
     Ok(())
+}
+
+/// Check the angle of the guide `name` \[rad\] against its description.
+fn check_angle(guide: &Rail, name: &str, angle: f64) -> Result<()> {
+    let (off, described) = ((angle - guide.angle()).abs(), guide.angle());
+    let (is_off, why) = match guide.mount {
+        Mount::Fixed => (off > OFF_ITS_ANGLE, ": it does not turn"),
+        Mount::Arm(_) => (
+            off > PI,
+            ", less than half a turn more or less: its stops are there",
+        ),
+        Mount::Turning { .. } => return Ok(()),
+    };
+    if !is_off {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        format!("positions of {name}"),
+        format!("{angle} rad"),
+        format!("must be {described} rad{why}"),
+    ))
 }
 
 /// Return the required position of a centre at `found`, and the reason; `None` for a free centre.

@@ -60,6 +60,17 @@ impl From<Table> for Signal {
 }
 
 impl Signal {
+    /// Return a signal that increases linearly from zero to `value` within `time` \[s\], and is constant for a time of zero.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub(crate) fn growing(value: f64, time: f64) -> Result<Self> {
+        if time > 0.0 {
+            return Self::ramp(0.0, time, 0.0, value);
+        }
+        Ok(value.into())
+    }
+
     /// Return a linear transition from one value to another.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Compiled guides: wheels without teeth, fixed, on bearings or on arms.
 
 use super::{Guide, Ratchet, Rotation, SprocketModel, Support};
-use crate::drive::{Chain, Mount, Rail, STOP_STIFFNESS};
+use crate::drive::{Arm, Chain, Mount, Rail, STOP_STIFFNESS};
 use crate::error::Result;
 use crate::geometry::path::belt::Side;
 use crate::math::Signal;
@@ -24,38 +24,8 @@ pub(super) fn place_rail(
         Mount::Fixed => (Rotation::Prescribed(0.0.into()), 1.0, None),
         Mount::Turning { inertia } => (free(None), inertia, None),
         Mount::Arm(arm) => {
-            let lever = rail.lever(&arm);
-            let torque = arm.force * lever;
-            let torque = if arm.ramp_time > 0.0 {
-                Signal::ramp(0.0, arm.ramp_time, 0.0, torque)?
-            } else {
-                torque.into()
-            };
-            // Conversion from the plunger's displacement to the arm's angle: angle = displacement/lever, torque = force · lever. Stiffness
-            // and damping scale with lever². A negative lever exchanges both directions.
-            let [back, out] = arm.travel.map(|way| way / lever.abs());
-            let square = lever * lever;
-            let mut dashpots = [
-                square * arm.damping_back.unwrap_or(arm.damping),
-                square * arm.damping,
-            ];
-            let mut stops = [-back, out];
-            if lever < 0.0 {
-                dashpots.reverse();
-                stops = [-out, back];
-            }
-            let swing = Guide {
-                curvature: 0.0,
-                stiffness: square * arm.stiffness,
-                stops,
-                stop_stiffness: square * STOP_STIFFNESS,
-                dashpots,
-                extra_mass: 0.0,
-                ratchet: arm.ratchet.map(|step| Ratchet {
-                    step: step / lever.abs(),
-                    forward: lever.signum(),
-                }),
-            };
+            let torque = Signal::growing(arm.force * rail.lever(&arm), arm.ramp_time)?;
+            let swing = swing_of(&arm, rail.lever(&arm));
             (free(Some(torque)), arm.inertia, Some(swing))
         }
     };
@@ -75,4 +45,33 @@ pub(super) fn place_rail(
         swing,
         input_bounds: None,
     })
+}
+
+/// Return spring, stops, dashpots and ratchet of a plunger as functions of the rotation of its arm, on which it presses at `lever` \[m\].
+///
+/// angle = displacement/lever, torque = force · lever: stiffness and damping scale with lever². A negative lever exchanges both directions.
+fn swing_of(arm: &Arm, lever: f64) -> Guide {
+    let [back, out] = arm.travel.map(|way| way / lever.abs());
+    let square = lever * lever;
+    let mut dashpots = [
+        square * arm.damping_back.unwrap_or(arm.damping),
+        square * arm.damping,
+    ];
+    let mut stops = [-back, out];
+    if lever < 0.0 {
+        dashpots.reverse();
+        stops = [-out, back];
+    }
+    Guide {
+        curvature: 0.0,
+        stiffness: square * arm.stiffness,
+        stops,
+        stop_stiffness: square * STOP_STIFFNESS,
+        dashpots,
+        extra_mass: 0.0,
+        ratchet: arm.ratchet.map(|step| Ratchet {
+            step: step / lever.abs(),
+            forward: lever.signum(),
+        }),
+    }
 }

@@ -100,12 +100,7 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
             .links
             .solve_free::<S, _, FRICTION>(simd, n, &matrix.loaded, &right);
         if let Some(lack) = lack {
-            for (right, lack) in matrix.links.ring_unknowns().iter_mut().zip(lack) {
-                let right = &mut right[BASE..][..n];
-                for (right, lack) in right.iter_mut().zip(&lack[..n]) {
-                    *right += lack;
-                }
-            }
+            matrix.add_lack(n, lack);
         }
         matrix.solve_hinges(simd, n);
         matrix.sums.fill(PartialSums::default());
@@ -122,20 +117,39 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
         matrix.corner.solve(border);
         if !matrix.gauss_seidel {
             take_border(simd, &mut matrix.unknowns, &matrix.solved, border);
-            for (of_column, &factor) in matrix.forces_of_columns.iter().zip(&*border) {
-                let forces = matrix.links.ring_unknowns().iter_mut().zip(of_column);
-                for (force, of_column) in forces {
-                    for (force, of_column) in force.iter_mut().zip(&**of_column) {
-                        *force -= factor * of_column;
-                    }
-                }
-            }
+            matrix.take_forces_of_columns(border);
         }
         if let Some(terms) = &mut matrix.rollers {
             let (links, unknowns) = (&matrix.links, &matrix.unknowns);
             terms.solve_bound::<S, FRICTION>(simd, links, unknowns, border, rollers);
         }
         put_solution(simd, &matrix.unknowns, links);
+    }
+}
+
+impl NewtonMatrix {
+    /// Add what the constraints of `n` ideal hinges lack to their right-hand sides.
+    #[inline(always)]
+    fn add_lack(&mut self, n: usize, lack: &[Numbers; 2]) {
+        for (right, lack) in self.links.ring_unknowns().iter_mut().zip(lack) {
+            let right = &mut right[BASE..][..n];
+            for (right, lack) in right.iter_mut().zip(&lack[..n]) {
+                *right += lack;
+            }
+        }
+    }
+
+    /// Subtract the hinge forces of the border's columns times its solution from the hinge forces.
+    #[inline(always)]
+    fn take_forces_of_columns(&mut self, border: &[f64]) {
+        for (of_column, &factor) in self.forces_of_columns.iter().zip(border) {
+            let forces = self.links.ring_unknowns().iter_mut().zip(of_column);
+            for (force, of_column) in forces {
+                for (force, of_column) in force.iter_mut().zip(&**of_column) {
+                    *force -= factor * of_column;
+                }
+            }
+        }
     }
 }
 

@@ -115,11 +115,11 @@ impl Pull {
     fn kind(self, force: f64, time: f64) -> Result<ForceKind> {
         Ok(match self.load(force) {
             PullLoad::Force(x, y) => ForceKind::Force {
-                x: ramp(x, time)?,
-                y: ramp(y, time)?,
+                x: Signal::growing(x, time)?,
+                y: Signal::growing(y, time)?,
                 follows: false,
             },
-            PullLoad::Torque(torque) => ForceKind::Torque(ramp(torque, time)?),
+            PullLoad::Torque(torque) => ForceKind::Torque(Signal::growing(torque, time)?),
         })
     }
 }
@@ -262,12 +262,4 @@ fn springs(
         found.push(("stops", law));
     }
     Ok(found)
-}
-
-/// Return a signal that increases linearly to `value` within `time` \[s\]; constant for a time of zero.
-fn ramp(value: f64, time: f64) -> Result<Signal> {
-    if time > 0.0 {
-        return Signal::ramp(0.0, time, 0.0, value);
-    }
-    Ok(Signal::Constant(value))
 }
