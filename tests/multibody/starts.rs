@@ -150,11 +150,13 @@ fn bounces_between_rows_are_exchanged_and_a_loss_beside_rows_is_still_told() {
 
 #[test]
 fn a_start_that_moves_a_fixed_body_or_is_no_number_is_refused() {
-    let mut mechanism = Mechanism::default();
-    mechanism.bodies = vec![
-        Body::new("base", 1.0, 1.0).fixed(),
-        Body::new("ball", 1.0, 1.0),
-    ];
+    let mechanism = Mechanism {
+        bodies: vec![
+            Body::new("base", 1.0, 1.0).fixed(),
+            Body::new("ball", 1.0, 1.0),
+        ],
+        ..Mechanism::default()
+    };
     let refused = |velocities: [[f64; 3]; 2]| {
         let model = MechanismModel::compile(&mechanism).unwrap();
         let start = InitialConfiguration {
