@@ -139,7 +139,7 @@ impl<S: System> Simulation<S> {
         if !S::records_energy(groups) {
             self.system.stop_metering();
         } else if !self.system.keeps_energy() {
-            self.system.begin_metering(&self.adams);
+            self.system.begin_metering(&self.adams, self.now);
         }
         self.system.set_recorded(Some(groups));
         let mut recorder = Recorder::new(&self.system, groups, [self.now, end], report_step);

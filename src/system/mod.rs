@@ -107,8 +107,8 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     /// Switch the energy quadrature off.
     fn stop_metering(&mut self) {}
 
-    /// Switch the energy quadrature on, from the present state of `adams`.
-    fn begin_metering(&mut self, _adams: &Adams) {}
+    /// Switch the energy quadrature on, from `now` within the last step of `adams`.
+    fn begin_metering(&mut self, _adams: &Adams, _now: f64) {}
 
     /// Use the present state of `adams` as the start of the next step of the energy quadrature, if the energy quadrature is on.
     fn resume_metering(&mut self, _adams: &Adams) {}

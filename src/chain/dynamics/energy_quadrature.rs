@@ -11,18 +11,37 @@ impl Dynamics {
         self.quadrature.refine(fineness);
     }
 
-    /// Switch the energy quadrature on; the sums start at the present state of `adams`.
-    pub(super) fn begin_energy_quadrature(&mut self, adams: &Adams) {
+    /// Switch the energy quadrature on; the sums start at `now`, the end of the last step of `adams` or a time within it.
+    pub(super) fn begin_energy_quadrature(&mut self, adams: &Adams, now: f64) {
         self.keep_energy(true);
-        self.differentiate(adams.time(), adams.y());
-        self.quadrature
-            .begin(adams.time(), self.powers(adams.time()));
+        let end = adams.time();
+        self.differentiate(end, adams.y());
+        let at_end = self.powers(end);
+        self.quadrature.begin(end, at_end);
+        if now >= end {
+            return;
+        }
+        // The rest of the step, along the dense output, which the rows within it use, too.
+        let (model, memory, y) = (&self.model, &self.memory, &mut self.inside);
+        let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
+        let kernels = &mut self.kernels;
+        let mut powers_at = |t: f64| {
+            adams.interpolate(t, &mut y[..dimension]);
+            kernels.powers(model, memory, t, &y[..dimension], rates)
+        };
+        self.quadrature.begin(now, powers_at(now));
+        let rest = Step {
+            start: now,
+            end,
+            order: 1,
+        };
+        (self.quadrature).add_step(&rest, (at_end, false), |_, t| powers_at(t));
     }
 
     /// Begin the next step with the powers at the present state of `adams`, while energy is kept: they may have jumped at a start.
     pub(super) fn resume_energy_quadrature(&mut self, adams: &Adams) {
         if self.keeps_energy && adams.is_starting() {
-            self.begin_energy_quadrature(adams);
+            self.begin_energy_quadrature(adams, adams.time());
         }
     }
 

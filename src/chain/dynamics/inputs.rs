@@ -180,7 +180,7 @@ mod tests {
         dynamics.begin_present_contacts(0.0, &y, &start.surfaces);
         let mut adams = Adams::new(y.len(), StepControl::default());
         adams.restart(0.0, &y);
-        dynamics.begin_energy_quadrature(&adams);
+        dynamics.begin_energy_quadrature(&adams, 0.0);
         while adams.time() < row {
             dynamics.begin_step(&mut adams);
             let longest = dynamics.longest_step(&adams);

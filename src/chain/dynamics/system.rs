@@ -105,8 +105,8 @@ impl System for Dynamics {
         self.keep_energy(false);
     }
 
-    fn begin_metering(&mut self, adams: &Adams) {
-        self.begin_energy_quadrature(adams);
+    fn begin_metering(&mut self, adams: &Adams, now: f64) {
+        self.begin_energy_quadrature(adams, now);
     }
 
     fn resume_metering(&mut self, adams: &Adams) {

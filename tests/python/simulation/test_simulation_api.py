@@ -584,6 +584,17 @@ def test_the_balance_does_not_depend_on_when_it_begins():
         assert gain == pytest.approx(whole_gain, rel=1e-3)
 
 
+def test_a_balance_that_begins_inside_a_step_closes_from_there():
+    # 1.5e-6 of the work. With the power at the end of that step in all of its rest: 6.5e-5.
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", teeth=(17, 25), links=60, speed=20.0, torque=-2.0, pretension=50.0
+    )
+    simulation = rc.Simulation(drive)
+    simulation.step_to(3.3e-4)
+    energy = simulation.run(5e-4, 5e-5, record="energy", progress=False).energy
+    assert abs(energy.residual).max() < 1e-5 * np.ptp(energy.external_work)
+
+
 # --- the tensioner
 
 
