@@ -28,6 +28,8 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 # What a path may be, as messages have it.
 PATH_WORDS = "the name of a file, str or Path; open files and buffers are not supported"
 
+_Bytes = bytes | bytearray | memoryview  # sequences of integers that are meant as none
+
 _LONGEST = 80  # characters of a value in a message: one line of a terminal; src/error.rs has it too
 _DEEPEST = 4  # levels of lists in an argument; rows of a table are two, no argument has more
 
@@ -169,7 +171,7 @@ def _one_of(where: str, value: Any, hints: tuple[Any, ...]) -> Any:  # noqa: ANN
 
 def _row(where: str, value: Any, hint: Any) -> Any:  # noqa: ANN401
     """Return a sequence with each of its values as its type has it."""
-    if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray):
+    if isinstance(value, str | _Bytes) or not isinstance(value, Sequence | np.ndarray):
         raise InvalidInput(f"{where}: got {shown(value)}; expected {_words(hint)}")
     arguments = get_args(hint)
     each = arguments[0] if arguments else Any
@@ -252,7 +254,8 @@ def finite_array(value: Any) -> npt.NDArray[np.float64] | None:  # noqa: ANN401
         kind = getattr(getattr(value, "dtype", None), "kind", "")
         listed = isinstance(value, list | tuple) or kind == "O" or np.ma.is_masked(value)
         given = np.asarray(plain(value) if listed else value)  # a long array is not made a list
-        array = given.astype(np.float64) if given.dtype.kind in "iuf" else None
+        numbers = given.dtype.kind in "iuf" and not isinstance(value, _Bytes)
+        array = given.astype(np.float64) if numbers else None
     except Exception:
         return None
     return array if array is not None and np.isfinite(array).all() else None

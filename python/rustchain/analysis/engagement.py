@@ -9,7 +9,7 @@ import numpy as np
 
 from rustchain.analysis.circuit import Circuit
 from rustchain.analysis.guides import guide_number
-from rustchain.analysis.loads import check_sprocket
+from rustchain.analysis.loads import checked_sprocket
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
@@ -83,7 +83,7 @@ def impacts(
     if isinstance(sprocket, str) and sprocket.startswith("guide"):
         numbers = [count + guide_number(result, sprocket)]
     elif sprocket is not None:
-        check_sprocket(result, sprocket)
+        checked_sprocket(result, sprocket)
         numbers = [int(sprocket)]
     rows = rows_between(result, start, end)
     # Rows before `start` show which contacts are in the middle of their episode.

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
     SprocketNumber: TypeAlias = int
-else:  # left to `check_sprocket`, whose message names the output for guides
+else:  # left to `checked_sprocket`, whose message names the output for guides
     SprocketNumber = object
 
 
@@ -129,7 +129,7 @@ def wrap_loads(
 
     bins_per_pitch = checked_bins("wrap_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
-    check_sprocket(result, sprocket)
+    sprocket = checked_sprocket(result, sprocket)
     circuit = Circuit.during(result, rows)
     section = circuit.section(sprocket)
     # Teeth are met and left outside the belt line; half pitches put seats in the middle of a bin.
@@ -187,7 +187,7 @@ def tooth_loads(
 
     bins_per_pitch = checked_bins("tooth_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
-    check_sprocket(result, sprocket)
+    sprocket = checked_sprocket(result, sprocket)
     teeth = result.drive.sprockets[sprocket - 1].teeth
     forces = by_gap(result, sprocket, rows)
     angles = result.array("sprocket_angle")[rows, sprocket - 1]
@@ -253,8 +253,8 @@ def nearest_contact(result: Result) -> npt.NDArray[np.intp]:
     return np.where(nearest >= 0, nearest, row)
 
 
-def check_sprocket(result: Result, number: object, argument: str = "sprocket") -> None:
-    """Raise where there is no sprocket of this number."""
+def checked_sprocket(result: Result, number: object, argument: str = "sprocket") -> int:
+    """Return the number of a sprocket, or raise where there is none of this number."""
     count = len(result.drive.sprockets)
     given = plain(number)
     if type(given) is not int or given not in range(1, count + 1):
@@ -262,6 +262,7 @@ def check_sprocket(result: Result, number: object, argument: str = "sprocket") -
         if result.drive.guides:
             msg += "; the loads of guides are those of guide_loads"
         raise NoSuchPart(msg)
+    return given
 
 
 def forces_of(result: Result, part: str, rows: slice) -> Forces:

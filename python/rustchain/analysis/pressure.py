@@ -9,7 +9,7 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.analysis import rainflow
 from rustchain.analysis.circuit import Circuit, path_length
-from rustchain.analysis.loads import check_sprocket, forces_of, nearest_contact
+from rustchain.analysis.loads import checked_sprocket, forces_of, nearest_contact
 from rustchain.analysis.phases import checked_bins
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
@@ -146,7 +146,7 @@ def pressure_cycles(
         if contact != "tooth":
             msg = f"sprocket = {sprocket}: only teeth belong to one; leave it out for hinges"
             raise InvalidInput(msg)
-        check_sprocket(result, sprocket)
+        checked_sprocket(result, sprocket)
         now, most = _of_gaps(result, sprocket, rows, now, most)
         part, numbers = "tooth", np.arange(now.shape[1])
         turns = path_length(result.array("sprocket_angle")[rows, sprocket - 1]) / (2 * np.pi)

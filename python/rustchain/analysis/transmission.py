@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain.analysis.jumps import check_seated
-from rustchain.analysis.loads import check_sprocket
+from rustchain.analysis.loads import checked_sprocket
 from rustchain.analysis.window import difference_or_zero, mean_over_time, rows_between
 from rustchain.errors import InvalidInput
 from rustchain.names import counted
@@ -55,8 +55,8 @@ def transmission_error(
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
-    check_sprocket(result, driven, "driven")
-    check_sprocket(result, driver, "driver")
+    checked_sprocket(result, driven, "driven")
+    checked_sprocket(result, driver, "driver")
     if driven == driver:
         msg = (
             f"transmission_error(driven): got {driven}, which is the driver too; expected another "
@@ -118,7 +118,7 @@ def speed_ripple(
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
-    check_sprocket(result, sprocket)
+    checked_sprocket(result, sprocket)
     speed = result.array("sprocket_speed")[rows, sprocket - 1]
     angle = result.array("sprocket_angle")[rows, sprocket - 1]
     mean, ripple, rms = ripple_of(result, sprocket, rows)

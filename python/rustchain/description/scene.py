@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, cast, get_args
 
@@ -166,11 +167,8 @@ class Scene(Description):
         if isinstance(system, Mechanism):
             self._set("system", system.frozen())
         elif not isinstance(system, ChainDrive):
-            has = next((name for name in ("scene", "drive") if hasattr(system, name)), None)
-            kind = type(system).__name__
-            remedy = "" if has is None else f"; use {kind.lower()}.{has}"
-            got = shown(system) if has is None else kind
-            msg = f"drive = {got}: must be a ChainDrive, a Mechanism or their scene{remedy}"
+            got, remedy = instead_of_a_scene(system)
+            msg = f"system of the scene = {got}: must be a ChainDrive or a Mechanism{remedy}"
             raise InvalidInput(msg)
 
     def _check_velocity(self) -> None:
@@ -257,6 +255,16 @@ class OfScene:
     def solver(self) -> Solver:
         """Method and tolerances."""
         return self.scene.solver
+
+
+def instead_of_a_scene(given: object) -> tuple[str, str]:
+    """Return how a message shows what is no scene, and how it names the scene in it."""
+    kind = type(given).__name__
+    for name in ("scene", "system", "drive"):
+        with suppress(Exception):  # of any object
+            if isinstance(getattr(given, name), Scene | ChainDrive | Mechanism):
+                return kind, f"; use {kind.lower()}.{name}"
+    return shown(given), ""
 
 
 def scene_of(given: object) -> Scene:

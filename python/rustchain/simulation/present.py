@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy.typing as npt
 
 from rustchain import _rustchain
-from rustchain.arguments import rows_of
+from rustchain.arguments import plain, rows_of
 from rustchain.caller import warn_caller
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.description.report import DriveReport
@@ -199,7 +199,7 @@ class Present(OfScene):
         """
         bodies = len(self.body_names)
         rows = rows_of("positions", positions, bodies), rows_of("velocities", velocities, bodies)
-        return Evaluation(self._core.evaluate(*rows, time))
+        return Evaluation(self._core.evaluate(*rows, plain(time)))
 
     @classmethod
     def _continued(cls, scene: Scene, place: Mapping[str, Any], state: Mapping[str, Any]) -> Self:

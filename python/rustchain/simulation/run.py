@@ -54,8 +54,8 @@ def known_groups(
         if not isinstance(group, str) or group not in known:
             msg = f"record: {shown(group)} is no group; {suggest(group, known)}"
             raise InvalidInput(msg)
-    if not isinstance(energy, bool | np.bool_ | None):
-        raise InvalidInput(f"energy = {shown(energy)}: must be True or False")
+    if energy is not None:
+        check_truth("energy", energy)
     wanted = "energy" in groups if energy is None else bool(energy)
     return [group for group in groups if group != "energy"], wanted
 
@@ -108,11 +108,15 @@ def _memory() -> float:
     return float(found) if found > 0 else 2.0**36
 
 
-def check_progress(progress: object) -> None:
+def check_truth(name: str, value: object) -> None:
     """Refuse what is neither True nor False."""
-    if not isinstance(progress, bool | np.bool_):
-        msg = f"progress = {shown(progress)}: must be True or False"
-        raise InvalidInput(msg)
+    if not isinstance(value, bool | np.bool_):
+        raise InvalidInput(f"{name} = {shown(value)}: must be True or False")
+
+
+def read_once(record: Any) -> Any:  # noqa: ANN401
+    """Return the items of an iterator of groups, which several runs read; all else unchanged."""
+    return items_within("record", record, _MOST_GROUPS) if isinstance(record, Iterator) else record
 
 
 class Bar(Protocol):

@@ -28,8 +28,8 @@ from rustchain.simulation.recording import Recording
 from rustchain.simulation.run import (
     WALL_BUDGET,
     Group,
-    check_progress,
     check_rows_fit,
+    check_truth,
     known_groups,
     numbers_of_a_row,
 )
@@ -293,7 +293,7 @@ class Simulation(Present):
         self._check_idle("run")
         groups, energy = known_groups(self.scene, record, energy)
         looks = looks_of(self, stop, callback, groups)
-        check_progress(progress)
+        check_truth("progress", progress)
         duration, report_step = plain(duration), plain(report_step)
         numbers = numbers_of_a_row(self, groups, energy)
         if out is None:

@@ -17,7 +17,7 @@ from rustchain.description.drive import (
     Tensioner,
 )
 from rustchain.description.mechanism.builder import Mechanism
-from rustchain.description.scene import Scene, scene_of
+from rustchain.description.scene import Scene, instead_of_a_scene, scene_of
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
 from rustchain.sweeps.cases import Parameters
@@ -64,16 +64,15 @@ def check_names(
 
     `where` begins the message.
     """
-    if not isinstance(system, Scene | ChainDrive | Mechanism) and not callable(system):
-        kind = type(system).__name__
-        has = next((name for name in ("scene", "drive") if hasattr(system, name)), None)
-        remedy = "" if has is None else f"; use {kind.lower()}.{has}"
+    try:
+        own, needed, takes_all = _arguments(system)
+    except (TypeError, ValueError) as error:  # no function, or one without a signature
+        got, remedy = instead_of_a_scene(system)
         msg = (
-            f"scene: got {shown(system) if has is None else kind}; expected a Scene, a ChainDrive, "
-            f"a Mechanism or a function that returns one{remedy}"
+            f"scene: got {got}; expected a Scene, a ChainDrive, a Mechanism or a function of "
+            f"named arguments that returns one{remedy}"
         )
-        raise InvalidInput(msg)
-    own, needed, takes_all = _arguments(system)
+        raise InvalidInput(msg) from error
     known = [*own, *parameter_names(system, run)]
     example = "chain.pitch" if "chain.pitch" in known else "bodies.1.mass"
     names = dict.fromkeys(str(name) for case in cases for name in case)

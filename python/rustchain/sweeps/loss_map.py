@@ -86,6 +86,9 @@ def loss_map(
         )
         raise InvalidInput(msg)
     check_burn_in(burn_in, duration, [{}])
+    for name, values in (("speeds", speeds), ("torques", torques)):
+        if len(values) == 0:
+            raise InvalidInput(f"{name} = {shown(values)}: must hold at least one value")
     if all(sprocket.side == "inside" for sprocket in drive.sprockets):  # all turn the same way
         helping = np.argwhere(np.multiply.outer(np.ravel(torques), np.ravel(speeds)) > 0.0)
         if len(helping) > 0:

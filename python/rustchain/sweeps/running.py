@@ -11,7 +11,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from rustchain import _rustchain
-from rustchain.arguments import shown
+from rustchain.arguments import count_within, shown
 from rustchain.caller import warn_caller
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.errors import InvalidInput, SimulationError
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 _PORTION = 64
 # Cases that an executor holds at once: enough for some hundred workers, some 20 MB of scenes.
 _MOST_SUBMITTED = 1024
+_MOST_THREADS = 10_000  # more than any machine has cores
 
 
 class DaskClient(Protocol):
@@ -61,10 +62,7 @@ def number_of_threads(threads: object) -> int:
     """Return the number of threads; None: as many as there are cores."""
     if threads is None:
         return os.cpu_count() or 1
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        msg = f"threads = {shown(threads)}: must be a whole number of at least 1, or None"
-        raise InvalidInput(msg)
-    return threads
+    return count_within("threads", threads, 1, _MOST_THREADS)
 
 
 def run_here(

@@ -19,7 +19,7 @@ from rustchain.errors import (
 )
 from rustchain.names import known_keywords
 from rustchain.results.result import Result
-from rustchain.simulation.run import Bar, Group, check_progress, seconds_bar
+from rustchain.simulation.run import Bar, Group, check_truth, read_once, seconds_bar
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition, check_looks
 from rustchain.sweeps.axes import System, case_of, check_names
@@ -159,17 +159,15 @@ def sweep(
     run: Parameters = {
         "duration": plain(duration),
         "report_step": plain(report_step),
-        "record": record,
+        "record": read_once(record),
         "energy": energy,
     }
     grid, cases = cases_of(axes)
     if measure is not None and not callable(measure):
         msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
         raise InvalidInput(msg)
-    check_progress(progress)
-    if not isinstance(retry, bool):
-        msg = f"retry = {shown(retry)}: must be True or False"
-        raise InvalidInput(msg)
+    check_truth("progress", progress)
+    check_truth("retry", retry)
     check_names(scene, run, cases)
     looks = Looks(stop, callback, len(check_looks(stop, callback)) > 0 or callback is not None)
     number_of_threads(threads)

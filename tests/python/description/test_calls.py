@@ -7,6 +7,7 @@ import math
 import pickle
 from decimal import Decimal
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -90,11 +91,58 @@ def test_a_message_shows_any_value_on_one_line_of_eighty_characters(kind):
             lambda r: rc.Simulation(r.drive, force_law="x" * 5000),
             r"force_law = 'x{76}\.\.\.: expected a force law such as LankaraniNikravesh\(\)",
         ),
+        (
+            lambda r: rc.Simulation(Path("a.toml")),
+            r"system of the scene = \w+Path\('a.toml'\): must be a ChainDrive or a Mechanism$",
+        ),
+        (
+            lambda r: rc.Scene(r),
+            "scene = Result: must .*; use result.scene",
+        ),
+        (lambda r: rc.Scene(rc.Scene(rc.Mechanism())), "scene = Scene: must .*; use scene.system"),
+        (lambda r: rc.sweep(int, {"x": [1]}), "scene: got <class 'int'>; expected a Scene, a Chai"),
+        (lambda r: rc.sweep(r, {"x": [1]}), "scene: got Result; .*; use result.scene"),
+        (lambda r: rc.sweep(r.drive, {}, threads=10**30), r"threads = 1000\d+: must be a whole nu"),
+        (lambda r: rc.sweep(r.drive, {}, retry=1), "retry = 1: must be True or False"),
+        (lambda r: rc.loss_map(r.drive, [], [1.0]), r"speeds = \(\): must hold at least one value"),
+        (
+            lambda r: rc.loss_map(r.drive, [1.0], []),
+            r"torques = \(\): must hold at least one",
+        ),
+        (
+            lambda r: rc.Simulation(r.scene).evaluate(time=np.complex128(1.0)),
+            r"time = \(1\+0j\): must be a number in s",
+        ),
+        (
+            lambda r: rc.Simulation(r.scene).evaluate(time=np.True_),
+            "time = True: must be a number in s",
+        ),
+        (
+            lambda r: rc.Mechanism().add_force("pull", "a", np.array(1.0)),
+            r"force of 'pull' = array\(1.\): must be two components \(x, y\)",
+        ),
+        (
+            lambda r: rc.Mechanism().add_force("pull", "a", (0, 1), point=bytearray(b"ab")),
+            r"point of force 'pull' = bytearray\(b'ab'\): must be two finite numbers",
+        ),
+        (
+            lambda r: rc.Hertz().elastic_force(1e-6, bytearray(b"ab"), length=0.01),
+            r"radii\): got bytearray\(b'ab'\); expected a sequence",
+        ),
     ],
 )
 def test_nonsense_is_refused_with_function_argument_and_element(call, says, result):
     with pytest.raises(rc.InvalidInput, match=says):
         call(result)
+
+
+def test_numbers_and_truths_of_numpy_are_those_of_python(result):
+    first = result.wrap_loads(1)
+    assert result.wrap_loads(np.int64(1)).equals(first)
+    assert result.wrap_loads(np.array(1)).equals(first)
+    run = {"duration": 2e-4, "progress": False}
+    swept = rc.sweep(result.drive, {}, threads=np.int64(1), retry=np.False_, **run)
+    assert swept.success
 
 
 EXACT = [Decimal("25"), Fraction(25), np.longdouble(25), np.float32(25), np.array(25.0), 25]

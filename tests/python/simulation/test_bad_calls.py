@@ -11,8 +11,8 @@ from bad_input.values import INF, NAN, assert_refused
 
 LAWS = "expected a force law such as LankaraniNikravesh() or Hertz()"
 SIMULATION = [
-    *[("drive", value, "must be a ChainDrive") for value in (None, "paper", 1)],
-    ("drive", DRIVE.chain, "must be a ChainDrive"),
+    *[("system of the scene", value, "must be a ChainDrive") for value in (None, "paper", 1)],
+    ("system of the scene", DRIVE.chain, "must be a ChainDrive"),
     *[
         (argument, value, LAWS)
         for argument in ("force_law", "hinge_law", "tooth_law")
@@ -29,7 +29,7 @@ SIMULATION = [
 
 @pytest.mark.parametrize(("argument", "value", "allowed"), SIMULATION)
 def test_a_wrong_argument_of_a_simulation_is_refused_by_name(argument, value, allowed):
-    name = "scene" if argument == "drive" else argument
+    name = argument.split()[-1]
     with pytest.raises(rc.InvalidInput) as caught:
         rc.Simulation(**{"scene": DRIVE, name: value})
     assert_refused(caught.value, argument, value, allowed)

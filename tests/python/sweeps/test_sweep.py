@@ -43,6 +43,15 @@ def assert_same_run(one, other):
     }
 
 
+def test_an_iterator_of_groups_is_read_once_and_serves_every_case():
+    run = {"duration": 2e-4, "progress": False, "threads": 1}
+    axes = {"pretension": [0.0, 25.0]}
+    swept = rc.sweep(PAPER, axes, lambda r: r.groups, record=iter(["hinges", "teeth"]), **run)
+    assert list(swept.values) == [("hinges", "teeth")] * 2
+    with pytest.raises(rc.InvalidInput, match=r"record: 1\.0 is no group"):
+        rc.sweep(PAPER, axes, lambda r: r.groups, record=iter([1.0]), **run)
+
+
 @pytest.mark.parametrize("threads", [1, 2, 4])
 def test_every_case_is_its_single_run_to_the_last_bit(threads):
     """With pretensions that have and have not a tensioner, and laws and lengths that differ."""
@@ -379,11 +388,11 @@ REFUSED = {
     ),
     "a function that returns no drive": (
         lambda: rc.sweep(lambda teeth: None, {"teeth": [17]}),
-        "drive = None: must be a ChainDrive",
+        "system of the scene = None: must be a ChainDrive",
     ),
     "a function that returns no drive to change": (
         lambda: rc.sweep(lambda: None, {"speed": [17]}),
-        "drive = None: must be a ChainDrive",
+        "system of the scene = None: must be a ChainDrive",
     ),
     "no driver": (
         lambda: rc.sweep(
@@ -413,7 +422,10 @@ REFUSED = {
         "parts are numbered from 1 behind a dot: 'sprockets.2.mass'",
     ),
     "no solver": (lambda: rc.sweep(PAPER, {"solver": [3]}), "solver = 3: must be a Solver"),
-    "no threads": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, threads=0), "threads = 0: .*least 1"),
+    "no threads": (
+        lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, threads=0),
+        "threads = 0: .*from 1 to",
+    ),
     "half a thread": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, threads=0.5), "threads = 0.5"),
 }
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from rustchain.arguments import finite_number, shown
+from rustchain.arguments import finite_number, plain, shown
 from rustchain.description.mechanism.checks import Point, one_of
 from rustchain.description.mechanism.checks import point as point_of
 from rustchain.description.mechanism.parts import GROUND, Force, LoadFunction
@@ -60,7 +58,8 @@ class WithForces:
             Whether the force turns with the body: `force` is then in its frame, otherwise in that
             of the ground.
         """
-        if not isinstance(force, Sequence | np.ndarray) or len(force) != 2:
+        components = plain(force)
+        if not isinstance(components, tuple) or len(components) != 2:
             msg = f"force of {shown(name)} = {shown(force)}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
         self.forces = (
@@ -71,8 +70,8 @@ class WithForces:
                 GROUND,
                 body,
                 point_b=point_of("point", "force", name, point),
-                x=force[0],
-                y=force[1],
+                x=components[0],
+                y=components[1],
                 follows=follows,
             ),
         )
