@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from rustchain.arguments import shown
 from rustchain.errors import NoSuchPart
 from rustchain.names import suggest
+from rustchain.typing import Count
 
 
-def position_of(part: str, number: int, count: int) -> int:
+def position_of(part: str, number: Count, count: int) -> int:
     """Return the place in arrays of the part with this number, from 1."""
     if not 1 <= number <= count:
         near = min(max(number, 1), count)
@@ -19,7 +20,7 @@ def position_of(part: str, number: int, count: int) -> int:
             else f"{part} {shown(number)}: there is none"
         )
         raise NoSuchPart(msg)
-    return number - 1
+    return int(number) - 1
 
 
 def place_of(part: str, name: object, names: Sequence[str]) -> int:

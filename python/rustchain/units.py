@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import checked
-from rustchain.typing import Array
+from rustchain.typing import Array, Number
 
 
 @overload
-def rpm(speed: float) -> float: ...
+def rpm(speed: Number) -> float: ...
 @overload
 def rpm(speed: npt.ArrayLike) -> Array: ...
 @checked

@@ -57,6 +57,7 @@ _REFUSED = {
     "str": {"None", "True", "zero", "NaN", "complex", "bytes", "object", "empty list", "dict"},
     "Point": {"None", "True", "zero", "NaN", "complex", "text", "empty list", "dict", "rows"},
 }
+_REFUSED |= {"Number": _REFUSED["float"], "Count": _REFUSED["int"], "Pair": _REFUSED["Point"]}
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from rustchain.analysis.loads import checked_sprocket
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
-from rustchain.typing import Time
+from rustchain.typing import Count, Number, Time
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 def engagements(
     result: Result,
     /,
-    sprocket: int | str | None = None,
+    sprocket: Count | str | None = None,
     *,
-    within: float = 0.5,
+    within: Number = 0.5,
     start: Time = None,
     end: Time = None,
 ) -> pd.DataFrame:
@@ -72,7 +72,7 @@ class Impact(NamedTuple):
 
 
 def impacts(
-    result: Result, sprocket: int | str | None, within: float, start: Time, end: Time
+    result: Result, sprocket: Count | str | None, within: Number, start: Time, end: Time
 ) -> list[Impact]:
     """Return the rows of `engagements`, bushing by bushing."""
     if not within > 0.0:
@@ -141,6 +141,8 @@ def _engaged_before(result: Result) -> list[int]:
     return engaged.tolist()
 
 
-def _row_at(passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: float) -> int:
+def _row_at(
+    passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: Number
+) -> int:
     """Return the row, after `first`, at which the chain has gone on by `within` pitches since."""
     return first + int(np.searchsorted(passed[first:] - passed[first], within, "left"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,7 +25,7 @@ from rustchain.analysis.window import rows_between, start_positions
 from rustchain.arguments import shown
 from rustchain.description.guides import SmoothIdler
 from rustchain.errors import InvalidInput
-from rustchain.typing import Time
+from rustchain.typing import Count, Numbers, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,10 +36,10 @@ if TYPE_CHECKING:
 def guide_loads(
     result: Result,
     /,
-    guide: int | str = 1,
+    guide: Count | str = 1,
     *,
-    quantiles: Sequence[float] = QUANTILES,
-    bins_per_pitch: int = 4,
+    quantiles: Numbers = QUANTILES,
+    bins_per_pitch: Count = 4,
     start: Time = None,
     end: Time = None,
 ) -> xr.Dataset:
@@ -109,14 +108,14 @@ def guide_loads(
     )
 
 
-def guide_number(result: Result, guide: int | str) -> int:
+def guide_number(result: Result, guide: Count | str) -> int:
     """Return the number of a guide, from 1; `guide` is that, or a name such as "guide_1"."""
     count = len(result.drive.guides)
     if isinstance(guide, str):
         digits = guide.removeprefix("guide_")
         number = int(digits) if digits.isdecimal() else 0
     else:
-        number = guide
+        number = int(guide)
     if not 1 <= number <= count:
         known = f"1 to {count}, or 'guide_1' and so on" if count else "but the drive has none"
         msg = f"guide = {shown(guide)}: must be the number of a guide, {known}"

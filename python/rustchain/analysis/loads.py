@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +22,7 @@ from rustchain.analysis.phases import (
 from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.arguments import plain, shown
 from rustchain.errors import NoSuchPart
-from rustchain.typing import Time
+from rustchain.typing import Count, Numbers, Time
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
 
     from rustchain.results.result import Result
 
-    SprocketNumber: TypeAlias = int
+    SprocketNumber: TypeAlias = Count
 else:  # left to `checked_sprocket`, whose message names the output for guides
     SprocketNumber = object
 
@@ -42,8 +41,8 @@ def hinge_loads(
     result: Result,
     /,
     *,
-    quantiles: Sequence[float] = QUANTILES,
-    bins_per_pitch: int = 4,
+    quantiles: Numbers = QUANTILES,
+    bins_per_pitch: Count = 4,
     start: Time = None,
     end: Time = None,
 ) -> xr.Dataset:
@@ -102,8 +101,8 @@ def wrap_loads(
     /,
     sprocket: SprocketNumber = 1,
     *,
-    quantiles: Sequence[float] = QUANTILES,
-    bins_per_pitch: int = 4,
+    quantiles: Numbers = QUANTILES,
+    bins_per_pitch: Count = 4,
     start: Time = None,
     end: Time = None,
 ) -> xr.Dataset:
@@ -160,8 +159,8 @@ def tooth_loads(
     /,
     sprocket: SprocketNumber = 1,
     *,
-    quantiles: Sequence[float] = QUANTILES,
-    bins_per_pitch: int = 4,
+    quantiles: Numbers = QUANTILES,
+    bins_per_pitch: Count = 4,
     start: Time = None,
     end: Time = None,
 ) -> xr.Dataset:
@@ -213,7 +212,7 @@ def tooth_loads(
     )
 
 
-def by_gap(result: Result, sprocket: int, rows: slice) -> Forces:
+def by_gap(result: Result, sprocket: Count, rows: slice) -> Forces:
     """Return the forces in each gap of a sprocket, (times, gaps).
 
     A bushing that is in no contact at a row counts, with what it met since the row before, where

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from rustchain.arguments import count_within, shown
 from rustchain.errors import InvalidInput
+from rustchain.typing import Numbers
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -43,7 +43,7 @@ def load_variables(
     bins: int,
     forces: Forces,
     span: Array,
-    quantiles: Sequence[float],
+    quantiles: Numbers,
 ) -> dict[str, Any]:
     """Return mean, quantiles and largest force of each bin [N], NaN in empty ones, over `axis`.
 

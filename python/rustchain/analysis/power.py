@@ -12,7 +12,7 @@ from rustchain.analysis.window import first_row, mean_over_time, rows_between
 from rustchain.description.drive import PrescribedSpeed
 from rustchain.description.ends import AnchoredEnd
 from rustchain.errors import InvalidInput
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Number, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,7 +121,7 @@ def mean_powers(result: Result, start: Time, end: Time) -> MeanPowers:
     )
 
 
-def efficiency(result: Result, /, after: float = 0.0) -> float:
+def efficiency(result: Result, /, after: Number = 0.0) -> float:
     """Return the power delivered over the power delivered and lost, as `power_balance` has it.
 
     Parameters

@@ -15,7 +15,7 @@ from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Count, Number, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +29,7 @@ _SMALLEST = 0.01  # of the largest pressure: swings below that are not counted
 
 
 def line_pressure(
-    force: Array, curvature: Array | float, length: float, modulus: Array | float
+    force: Array, curvature: Array | Number, length: Number, modulus: Array | Number
 ) -> Array:
     """Return the largest pressure of a line contact [Pa] (Johnson, Contact Mechanics, Eq. 4.45).
 
@@ -40,7 +40,7 @@ def line_pressure(
 
 
 def half_width(
-    force: Array, curvature: Array | float, length: float, modulus: Array | float
+    force: Array, curvature: Array | Number, length: Number, modulus: Array | Number
 ) -> Array:
     """Return half the width of a line contact [m] (Johnson, Contact Mechanics, Eq. 4.43)."""
     width: Array = np.sqrt(4.0 * np.maximum(force, 0.0) / (np.pi * length * modulus * curvature))
@@ -105,9 +105,9 @@ def pressure_cycles(
     result: Result,
     /,
     contact: Contact = "hinge",
-    sprocket: int | None = None,
+    sprocket: Count | None = None,
     *,
-    bins: int = 20,
+    bins: Count = 20,
     start: Time = None,
     end: Time = None,
 ) -> xr.Dataset:
@@ -188,7 +188,7 @@ def hinge_curvature(chain: Chain) -> float:
     return 1.0 / chain.hinge.pin_radius - 1.0 / chain.hinge.bore_radius
 
 
-def surface_curvature(drive: ChainDrive, sprocket: int) -> Array:
+def surface_curvature(drive: ChainDrive, sprocket: Count) -> Array:
     """Return the curvature of a bushing and each surface of a tooth, from the seat outward [1/m].
 
     A hollow surface takes its own from the bushing's, a round one adds it.
@@ -232,7 +232,7 @@ def check_contact(contact: str) -> None:
 
 
 def _of_gaps(
-    result: Result, sprocket: int, rows: slice, now: Array, most: Array
+    result: Result, sprocket: Count, rows: slice, now: Array, most: Array
 ) -> tuple[Array, Array]:
     """Return the pressures in each gap of a sprocket, (times, gaps)."""
     nearest = nearest_contact(result)[rows]

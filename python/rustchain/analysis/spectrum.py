@@ -11,7 +11,7 @@ from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import counted
 from rustchain.results.channels import PARTS
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Number, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +24,7 @@ def spectrum(
     /,
     name: str,
     *,
-    segment: float | None = None,
+    segment: Number | None = None,
     start: Time = None,
     end: Time = None,
 ) -> xr.DataArray:
@@ -77,7 +77,7 @@ def spectrum(
     )
 
 
-def welch(time: Array, values: Array, segment: float | None) -> tuple[Array, Array]:
+def welch(time: Array, values: Array, segment: Number | None) -> tuple[Array, Array]:
     """Return frequencies [Hz] and densities of values over time, their last axis.
 
     Segments of `segment` [s] (by default all in one), half of each in the next, their straight

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +12,7 @@ from rustchain.analysis.spectrum import welch
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import count_within, shown
 from rustchain.errors import InvalidInput
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Count, Number, Numbers, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,9 +57,9 @@ def link_tension(result: Result, /, *, start: Time = None, end: Time = None) -> 
 def strand_motion(
     result: Result,
     /,
-    strand: str | int,
+    strand: str | Count,
     *,
-    stations: Sequence[float] = _STATIONS,
+    stations: Numbers = _STATIONS,
     start: Time = None,
     end: Time = None,
 ) -> xr.DataArray:
@@ -119,11 +118,11 @@ def strand_motion(
 def strand_spectrum(
     result: Result,
     /,
-    strand: str | int,
+    strand: str | Count,
     *,
-    stations: Sequence[float] = _STATIONS,
-    modes: int = 3,
-    segment: float | None = None,
+    stations: Numbers = _STATIONS,
+    modes: Count = 3,
+    segment: Number | None = None,
     start: Time = None,
     end: Time = None,
 ) -> xr.Dataset:
@@ -187,7 +186,7 @@ def strand_spectrum(
 
 
 def natural_frequencies(
-    chain: Chain, pitches: float, tension: float, speed: float, modes: int
+    chain: Chain, pitches: Number, tension: Number, speed: Number, modes: Count
 ) -> Array:
     """Return the natural frequencies of a taut strand of a moving chain [Hz], (modes,).
 
@@ -219,7 +218,7 @@ def natural_frequencies(
     return found
 
 
-def strand_name(result: Result, strand: str | int) -> str:
+def strand_name(result: Result, strand: str | Count) -> str:
     """Return the name of a strand given by its name or number, or raise."""
     result.strand(strand)
     return strand if isinstance(strand, str) else result.strand_names[strand - 1]

@@ -11,7 +11,7 @@ from rustchain.analysis.loads import checked_sprocket
 from rustchain.analysis.window import difference_or_zero, mean_over_time, rows_between
 from rustchain.errors import InvalidInput
 from rustchain.names import counted
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Count, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 
-def mean_ratio(drive: ChainDrive, driven: int, driver: int) -> float:
+def mean_ratio(drive: ChainDrive, driven: Count, driver: Count) -> float:
     """Return the mean speed of one sprocket over that of another, by their teeth."""
     of, to = drive.sprockets[driven - 1], drive.sprockets[driver - 1]
     turn = 1.0 if of.side == to.side else -1.0
@@ -28,7 +28,7 @@ def mean_ratio(drive: ChainDrive, driven: int, driver: int) -> float:
 
 
 def transmission_error(
-    result: Result, /, driven: int = 2, driver: int = 1, *, start: Time = None, end: Time = None
+    result: Result, /, driven: Count = 2, driver: Count = 1, *, start: Time = None, end: Time = None
 ) -> xr.Dataset:
     """Return the transmission error of a pair of sprockets.
 
@@ -55,8 +55,8 @@ def transmission_error(
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
-    checked_sprocket(result, driven, "driven")
-    checked_sprocket(result, driver, "driver")
+    driven = checked_sprocket(result, driven, "driven")
+    driver = checked_sprocket(result, driver, "driver")
     if driven == driver:
         msg = (
             f"transmission_error(driven): got {driven}, which is the driver too; expected another "
@@ -86,7 +86,7 @@ def transmission_error(
 
 
 def angle_error(
-    result: Result, driven: int, driver: int, rows: slice
+    result: Result, driven: Count, driver: Count, rows: slice
 ) -> tuple[Array, Array, float]:
     """Return angle of the driver and error of the driven [rad], and the pitch radius of it [m]."""
     angle = result.array("sprocket_angle")[rows]
@@ -99,7 +99,7 @@ def angle_error(
 
 
 def speed_ripple(
-    result: Result, /, sprocket: int = 2, *, start: Time = None, end: Time = None
+    result: Result, /, sprocket: Count = 2, *, start: Time = None, end: Time = None
 ) -> xr.Dataset:
     """Return the speed ripple of a sprocket.
 
@@ -140,7 +140,7 @@ def speed_ripple(
     )
 
 
-def ripple_of(result: Result, sprocket: int, rows: slice) -> tuple[float, Array, float]:
+def ripple_of(result: Result, sprocket: Count, rows: slice) -> tuple[float, Array, float]:
     """Return the mean speed of a sprocket [rad/s], its ripple over time and the RMS of that."""
     time, speed = result.time[rows], result.array("sprocket_speed")[rows, sprocket - 1]
     mean = _mean(time, speed)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain.errors import InvalidInput
 from rustchain.results.stored import part_of
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Number, Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -29,7 +29,7 @@ def rows_between(result: Result, start: Time, end: Time) -> slice:
     first = 0 if start is None else first_row(time, start)
     last = len(time)
     if end is not None:
-        last = int(np.searchsorted(time, end + _ROUNDING * abs(end), "right"))
+        last = int(np.searchsorted(time, end + _ROUNDING * abs(float(end)), "right"))
     if first >= last:
         span = f"{time[0]:g} to {time[-1]:g} s"
         msg = f"start={start}, end={end}: no rows there; the result has {span}"
@@ -37,9 +37,9 @@ def rows_between(result: Result, start: Time, end: Time) -> slice:
     return slice(first, last)
 
 
-def first_row(time: Array, start: float) -> int:
+def first_row(time: Array, start: Number) -> int:
     """Return the first row from `start` [s] on; times of rows are multiples to rounding."""
-    return int(np.searchsorted(time, start - _ROUNDING * abs(start)))
+    return int(np.searchsorted(time, start - _ROUNDING * abs(float(start))))
 
 
 def mean_over_time(time: Array, values: Array) -> Array:

@@ -15,11 +15,12 @@ from rustchain.catalogue.standard import (
     check_plates,
     check_rollers,
 )
-from rustchain.description.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
+from rustchain.description.drive import Chain, ChainDrive, Hinges, Sprocket, Tensioner
 from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
+from rustchain.typing import Point
 
 _MOST_SPROCKETS = 1000  # far more than there are; what has more may have no end
 _ANY_LINKS = 100  # of a chain whose links are still to be counted

@@ -20,7 +20,6 @@ from rustchain.description.drive import (
     IsoTooth,
     Link,
     Plates,
-    Point,
     PrescribedSpeed,
     Roller,
     Seat,
@@ -32,6 +31,7 @@ from rustchain.description.material import Material
 from rustchain.description.signals import Signal
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
+from rustchain.typing import Counts, Point
 
 Rollers: TypeAlias = Literal["fixed", "bodies"]
 Stretch: TypeAlias = Literal["rigid", "elastic"]
@@ -99,7 +99,7 @@ def paper_drive(
 @known_keywords
 def two_sprocket_drive(
     chain: str | Chain = "ANSI 40",
-    teeth: tuple[int, int] = (17, 25),
+    teeth: Counts = (17, 25),
     *,
     links: int | None = None,
     center_distance: float | None = None,
@@ -154,7 +154,7 @@ def two_sprocket_drive(
     >>> round(drive.sprockets[1].center[0], 4)  # [m]; the strands are straight
     0.2471
     """
-    teeth = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
+    pair: tuple[int, int] = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
     iso = isinstance(chain, str) and _size(chain)[0].standard == "ISO 606"
     if isinstance(chain, Chain):
         links = chain.links if links is None else links
@@ -167,9 +167,9 @@ def two_sprocket_drive(
                 "two_sprocket_drive: links=None and center_distance=None; give at least one of them"
             )
             raise InvalidInput(msg)
-        links = _rustchain.links_for(pitch, teeth, center_distance)
+        links = _rustchain.links_for(pitch, pair, center_distance)
     if center_distance is None:
-        center_distance = _rustchain.closing_center_distance(pitch, teeth, links)
+        center_distance = _rustchain.closing_center_distance(pitch, pair, links)
     if isinstance(chain, str):
         chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)
     else:
@@ -181,9 +181,9 @@ def two_sprocket_drive(
     return ChainDrive(
         chain=chain,
         sprockets=[
-            Sprocket(teeth[0], (0.0, 0.0), PrescribedSpeed(speed), profile),
+            Sprocket(pair[0], (0.0, 0.0), PrescribedSpeed(speed), profile),
             Sprocket(
-                teeth[1],
+                pair[1],
                 (center_distance, 0.0),
                 Free() if torque is None else AppliedTorque(torque),
                 profile,
@@ -191,7 +191,7 @@ def two_sprocket_drive(
         ],
         tensioner=_tensioner(pretension),
         gravity=gravity,
-        name=f"{chain.name}, {teeth[0]}:{teeth[1]}",
+        name=f"{chain.name}, {pair[0]}:{pair[1]}",
         hinges=hinges,
     )
 

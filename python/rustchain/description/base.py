@@ -12,7 +12,6 @@ from typing import (
     Any,
     ClassVar,
     NoReturn,
-    TypeAlias,
     TypeVar,
     get_type_hints,
 )
@@ -24,7 +23,6 @@ from rustchain.names import known_keywords, suggest
 
 __all__ = [
     "Description",
-    "Point",
     "Typed",
     "class_named",
     "described",
@@ -44,8 +42,6 @@ else:
 
 
 _Class = TypeVar("_Class")
-
-Point: TypeAlias = tuple[float, float]
 
 _LINE = 100  # characters of a repr
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain.description.base import Description, description
 from rustchain.description.material import Material
+from rustchain.typing import Number, Numbers
 
 
 @description(frozen=True)
@@ -184,7 +185,7 @@ class Chain(Description):
     name: str = ""
     offset: Link | None = None
     strands: int = 1
-    elongation: float | Sequence[float] = 0.0
+    elongation: Number | Numbers = 0.0
     pitch_spread: float = 0.0
     seed: int = 0
     roller: Roller | None = None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 from rustchain.arguments import checked
-from rustchain.description.base import Description, Point, description
+from rustchain.description.base import Description, description
 from rustchain.description.chain import Chain, ClearanceHinge, Link, Plates, Roller
 from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
@@ -31,6 +31,7 @@ from rustchain.description.teeth import (
 )
 from rustchain.description.tensioner import Tensioner
 from rustchain.html import HtmlView
+from rustchain.typing import Point
 
 if TYPE_CHECKING:
     from rustchain.description.laws.force import ForceLaw
@@ -49,7 +50,6 @@ __all__ = [
     "Link",
     "Material",
     "Plates",
-    "Point",
     "PrescribedSpeed",
     "Roller",
     "Seat",

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rustchain.description.base import Description, Point, description
-from rustchain.description.signals import Rows, Sines, SmoothStep, Spline, Table
+from rustchain.description.base import Description, description
+from rustchain.description.signals import Sines, SmoothStep, Spline, Table
+from rustchain.typing import Point, Rows
 
 if TYPE_CHECKING:
     from rustchain.description.drive import ChainDrive

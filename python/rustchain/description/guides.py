@@ -9,8 +9,7 @@ from rustchain import _rustchain
 from rustchain.arguments import checked
 from rustchain.description.base import Description, description
 from rustchain.description.material import Material
-
-_Point = tuple[float, float]
+from rustchain.typing import Pair, Point
 
 
 @description(frozen=True)
@@ -51,13 +50,13 @@ class GuideArm(Description):
     100.0
     """
 
-    pivot: _Point
+    pivot: Point
     force: float
     ramp_time: float = 0.1
     stiffness: float = 0.0
     damping: float = 100.0
     damping_back: float | None = None
-    travel: _Point | None = None
+    travel: Pair | None = None
     inertia: float = 2e-4
     ratchet: float | None = None
 
@@ -94,8 +93,8 @@ class GuideRail(Description):
     GuideRail(center=(0.1, 0.06), direction=(1.0, 0.0), length=0.1)
     """
 
-    center: _Point
-    direction: _Point
+    center: Point
+    direction: Point
     length: float
     radius: float | None = None
     end_radius: float = 0.005
@@ -139,7 +138,7 @@ class SmoothIdler(Description):
     """
 
     radius: float
-    center: _Point
+    center: Point
     inertia: float | None = None
     material: Material | None = None
     plate_height: float | None = None

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias, cast, get_args
+from typing import Literal, cast, get_args
 
 from rustchain.arguments import finite_number, plain, rows_of, shown
 from rustchain.description.base import Description
@@ -16,9 +15,9 @@ from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
+from rustchain.typing import Rows
 
 Start = Literal["generated", "static"]
-Rows: TypeAlias = Sequence[Sequence[float]]
 Kind = Literal["drive", "mechanism"]
 
 _LAW = LankaraniNikravesh()

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TypeAlias
 
 from rustchain import _rustchain
 from rustchain.description.base import Typed, description
-
-Rows: TypeAlias = Sequence[Sequence[float]]
+from rustchain.typing import Number, Rows
 
 
 class _Signal(Typed):
@@ -106,8 +104,8 @@ class Sines(_Signal):
     offset: float = 0.0
 
 
-Signal: TypeAlias = float | Rows | SmoothStep | Table | Spline | Sines
+Signal: TypeAlias = Number | Rows | SmoothStep | Table | Spline | Sines
 """A function of time; a number is a constant, rows of (time [s], value) are those of a `Table`."""
 
-Curve: TypeAlias = float | Rows | Table
+Curve: TypeAlias = Number | Rows | Table
 """A function of length, angle or speed: a constant, or the rows of a `Table`."""

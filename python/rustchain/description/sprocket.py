@@ -10,11 +10,12 @@ import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.arguments import checked, plain, shown
-from rustchain.description.base import Description, Point, description
+from rustchain.description.base import Description, description
 from rustchain.description.chain import Chain
 from rustchain.description.signals import Curve, Signal
 from rustchain.description.teeth import AnsiTooth, ToothForm
 from rustchain.errors import InvalidInput
+from rustchain.typing import Point
 
 Side = Literal["inside", "outside"]
 

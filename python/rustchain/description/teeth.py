@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
-from rustchain.description.base import Description, Point, description
+from rustchain.description.base import Description, description
+from rustchain.typing import Point
 
 Seat = Literal["bottom-diameter", "pitch-circle"]
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rustchain.description.base import Description, Point, description
+from rustchain.description.base import Description, description
+from rustchain.typing import Pair, Point
 
 
 @description(frozen=True)
@@ -53,7 +54,7 @@ class Tensioner(Description):
     damping: float = 2000.0
     direction: Point | None = None
     stiffness: float = 0.0
-    travel: tuple[float, float] | None = None
+    travel: Pair | None = None
     pivot: Point | None = None
     arm_inertia: float = 0.0
     damping_back: float | None = None

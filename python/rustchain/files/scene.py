@@ -18,6 +18,7 @@ from rustchain.results.result import Result
 from rustchain.simulation.pieces import DEFAULT, bytes_of
 from rustchain.simulation.simulation import Simulation
 from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
+from rustchain.typing import FilePath
 
 if TYPE_CHECKING:
     from rustchain.description.mechanism.report import MechanismReport
@@ -52,7 +53,7 @@ class SceneFile:
     _source: Source | None = field(default=None, repr=False, compare=False)
 
     @classmethod
-    def read(cls, path: str | Path) -> SceneFile:
+    def read(cls, path: FilePath) -> SceneFile:
         """Read a file; parameters and errors are those of `load_scene`."""
         from rustchain.files.reader import read  # with pydantic, which nothing else needs
 
@@ -129,7 +130,7 @@ class SceneFile:
 
 
 @known_keywords
-def load_scene(path: str | Path) -> Scene:
+def load_scene(path: FilePath) -> Scene:
     """Read the scene in a file: a drive or a mechanism, its laws, its solver and its start.
 
     The file is TOML, or JSON where its name ends in ``.json``, with tables ``drive`` or
@@ -160,7 +161,7 @@ def load_scene(path: str | Path) -> Scene:
 
 
 @known_keywords
-def save_scene(scene: Scene, path: str | Path) -> None:
+def save_scene(scene: Scene, path: FilePath) -> None:
     """Write a scene to a file, for `load_scene`, which gives an equal one.
 
     Parameters

@@ -20,6 +20,7 @@ from rustchain.fmi.model_description import Model, model_description
 from rustchain.fmi.variables import Input, Output, Variable, chosen_inputs, chosen_outputs
 from rustchain.paths import check_writable, path_of, shown_path, write_whole
 from rustchain.simulation.simulation import Simulation
+from rustchain.typing import FilePath
 
 _PLATFORMS = {
     ("linux", "x86_64"): ("linux64", "x86_64-linux"),
@@ -37,7 +38,7 @@ _DATE = (1980, 1, 1, 0, 0, 0)  # of all files, so that equal scenes make equal F
 @checked
 def export_fmu(
     system: ChainDrive | Scene | Simulation,
-    path: str | Path,
+    path: FilePath,
     *,
     inputs: Sequence[str] | None = None,
     outputs: Sequence[str] | None = None,

@@ -26,7 +26,7 @@ from rustchain.plot.canvas import Canvas
 from rustchain.plot.drive_shapes import shapes_of_drive
 from rustchain.plot.mechanism_shapes import shapes_of_mechanism
 from rustchain.plot.shapes import Forces, Shapes
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, FilePath, Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -146,7 +146,7 @@ class Animation:
         array = self.result.arrays.get(forces.array)
         return array is not None and array.shape[1] == len(forces.bodies)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: FilePath) -> None:
         """Write a GIF, an MP4 video or a page with the player, as the name ends.
 
         Raises

@@ -20,7 +20,7 @@ from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
 from rustchain.plot.mechanism import force_penetration_figure
 from rustchain.plot.style import Ax, Figures, legend_of_distinct, legend_outside, panels, styled
 from rustchain.results.views import Bushing
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Count, Time
 
 _SHOWN = 2  # hinges or bushings, where none are named
 _WHEELS = tuple(color for color in CYCLE if color != RED)  # red are the largest forces
@@ -32,7 +32,7 @@ class ContactFigures(Figures):
 
     @styled
     def hinge_force(
-        self, *hinges: int, start: Time = None, end: Time = None, ax: Ax = None
+        self, *hinges: Count, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the contact force of hinges over time, with the largest between two rows.
 
@@ -53,7 +53,7 @@ class ContactFigures(Figures):
 
     @styled
     def tooth_force(
-        self, *bushings: int, start: Time = None, end: Time = None, ax: Ax = None
+        self, *bushings: Count, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the tooth force of bushings over time, each contact episode with sprocket and gap.
 
@@ -99,7 +99,7 @@ class ContactFigures(Figures):
     @styled
     def force_penetration(
         self,
-        *numbers: int | str | Sequence[str],
+        *numbers: Count | str | Sequence[str],
         contact: Literal["tooth", "hinge"] = "tooth",
         start: Time = None,
         end: Time = None,
@@ -138,7 +138,7 @@ class ContactFigures(Figures):
         return figure
 
     @styled
-    def orbit(self, *hinges: int, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
+    def orbit(self, *hinges: Count, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the path of a pin's centre in its bushing, coloured by the force between the two.
 
         The dotted circle shows the contact onset. One scale of colours holds for all hinges. By
@@ -262,7 +262,7 @@ class ContactFigures(Figures):
         axes.set_title(f"hinge {number}")
 
 
-def _draw_largest(axes: Axes, time: Array, peaks: Array | None, number: int) -> None:
+def _draw_largest(axes: Axes, time: Array, peaks: Array | None, number: Count) -> None:
     """Draw the largest force of a contact between two rows as a thin line, where recorded."""
     if peaks is not None:
         axes.plot(time, peaks[:, number - 1], color=RED, linewidth=0.5, label="largest")

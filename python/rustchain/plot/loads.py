@@ -15,7 +15,7 @@ from rustchain.plot.between_rows import round_number
 from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
 from rustchain.plot.finish import is_empty, note
 from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Count, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,7 +61,7 @@ class LoadFigures(Figures):
 
     @styled
     def tooth_loads(
-        self, sprocket: int = 1, *, start: Time = None, end: Time = None, ax: Ax = None
+        self, sprocket: Count = 1, *, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the tooth force over a sprocket's revolution, and the load of each tooth."""
         found = self.result.tooth_loads(sprocket, quantiles=_QUANTILES, start=start, end=end)
@@ -83,8 +83,8 @@ class LoadFigures(Figures):
     @styled
     def polar_tooth_loads(
         self,
-        sprocket: int = 1,
-        *more: int,
+        sprocket: Count = 1,
+        *more: Count,
         start: Time = None,
         end: Time = None,
         ax: Ax = None,
@@ -125,7 +125,7 @@ class LoadFigures(Figures):
 
     @styled
     def wrap_loads(
-        self, sprocket: int = 1, *more: int, start: Time = None, end: Time = None, ax: Ax = None
+        self, sprocket: Count = 1, *more: Count, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw how the load is distributed along the wrap of sprockets."""
         numbers = (sprocket, *more)
@@ -173,9 +173,9 @@ class LoadFigures(Figures):
     def pressure_cycles(
         self,
         contact: Literal["hinge", "tooth"] = "hinge",
-        sprocket: int | None = None,
+        sprocket: Count | None = None,
         *,
-        bins: int = 20,
+        bins: Count = 20,
         start: Time = None,
         end: Time = None,
         ax: Ax = None,
@@ -193,8 +193,8 @@ class LoadFigures(Figures):
     @styled
     def guide_loads(
         self,
-        guide: int | str = 1,
-        *more: int | str,
+        guide: Count | str = 1,
+        *more: Count | str,
         start: Time = None,
         end: Time = None,
         ax: Ax = None,
@@ -220,7 +220,7 @@ class LoadFigures(Figures):
     @styled
     def engagements(
         self,
-        sprocket: int | str | None = None,
+        sprocket: Count | str | None = None,
         *,
         start: Time = None,
         end: Time = None,

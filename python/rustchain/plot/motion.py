@@ -16,7 +16,7 @@ from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
 from rustchain.plot.finish import note
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
-from rustchain.typing import Time
+from rustchain.typing import Count, Number, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,8 +28,8 @@ class MotionFigures(Figures):
     @styled
     def transmission_error(
         self,
-        driven: int = 2,
-        driver: int = 1,
+        driven: Count = 2,
+        driver: Count = 1,
         *,
         start: Time = None,
         end: Time = None,
@@ -48,7 +48,7 @@ class MotionFigures(Figures):
 
     @styled
     def speed_ripple(
-        self, sprocket: int = 2, *, start: Time = None, end: Time = None, ax: Ax = None
+        self, sprocket: Count = 2, *, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the speed of a sprocket over time, and the spectrum of its ripple by order."""
         found = self.result.speed_ripple(sprocket, start=start, end=end)
@@ -62,8 +62,8 @@ class MotionFigures(Figures):
     @styled
     def strand_motion(
         self,
-        strand: str | int,
-        *more: str | int,
+        strand: str | Count,
+        *more: str | Count,
         start: Time = None,
         end: Time = None,
         ax: Ax = None,
@@ -86,9 +86,9 @@ class MotionFigures(Figures):
     @styled
     def strand_spectrum(
         self,
-        strand: str | int,
+        strand: str | Count,
         *,
-        segment: float | None = None,
+        segment: Number | None = None,
         start: Time = None,
         end: Time = None,
         ax: Ax = None,
@@ -133,7 +133,7 @@ class MotionFigures(Figures):
         self,
         name: str,
         *,
-        segment: float | None = None,
+        segment: Number | None = None,
         start: Time = None,
         end: Time = None,
         ax: Ax = None,
@@ -233,7 +233,7 @@ def _bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> None:
     axes.axvline(0.0, color=GREY, linewidth=0.7)
 
 
-def _orders(axes: Axes, found: xr.Dataset, scale: float, label: str, number: int) -> None:
+def _orders(axes: Axes, found: xr.Dataset, scale: float, label: str, number: Count) -> None:
     """Draw amplitudes by order, the teeth's orders marked.
 
     Of less than one revolution, the few orders are points, and their distance is said.

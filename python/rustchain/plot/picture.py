@@ -23,7 +23,7 @@ from rustchain.plot.looks import LOOKS
 from rustchain.plot.mechanism_shapes import shapes_of_mechanism
 from rustchain.plot.shapes import Shapes, force_points, outlines_at
 from rustchain.plot.style import Ax, Figures, styled, subplots
-from rustchain.typing import Array
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -40,7 +40,7 @@ class DrivePicture(Figures):
     """The drive as it stands at one instant."""
 
     @styled
-    def drive(self, time: float | None = None, *, ax: Ax = None) -> Figure:
+    def drive(self, time: Time = None, *, ax: Ax = None) -> Figure:
         """Draw the drive at the row nearest to `time` [s], by default at the start.
 
         Without bodies recorded, the start or the end is drawn, whichever is nearer, with a warning
@@ -78,7 +78,7 @@ class DrivePicture(Figures):
         _label(axes, low, high)
         return figure
 
-    def _snapshot(self, time: float | None) -> tuple[float, Array]:
+    def _snapshot(self, time: Time) -> tuple[float, Array]:
         """Return the recorded time nearest to `time` and the positions then."""
         result = self.result
         row = 0 if time is None else int(np.abs(result.time - time).argmin())

@@ -17,7 +17,7 @@ from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREY, PAPER, RED
 from rustchain.plot.style import Ax, panels, styled, subplots
-from rustchain.typing import Array, Time
+from rustchain.typing import Array, Count, Time
 
 _UNITS = {"speed": "rad/s", "pretension": "N", "torque": "N m", "restitution": "1"}  # of axes
 _PANELS = 9  # of a map
@@ -296,7 +296,7 @@ def draw_map(sweep: SweepResult, measure: str, *, ax: Ax = None) -> Figure:
 def draw_waterfall(
     sweep: SweepResult,
     quantity: Literal["transmission_error", "speed_ripple"] = "transmission_error",
-    sprocket: int = 2,
+    sprocket: Count = 2,
     *,
     start: Time = None,
     ax: Ax = None,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib import resources
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,7 +22,7 @@ from rustchain.plot.player import player_part
 from rustchain.report.confidence import PARTS, KeyFigure, key_figures
 from rustchain.report.figures import Drawn, figures_of, picture_of
 from rustchain.report.safety import USUAL_SAFETY, USUAL_SAFETY_OFFSET, Safety, safety_of
-from rustchain.typing import Time
+from rustchain.typing import FilePath, Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -40,7 +39,7 @@ document.querySelector("nav button").addEventListener("click", () => {
 
 def write_report(
     result: Result,
-    path: str | Path,
+    path: FilePath,
     *,
     start: Time = None,
     end: Time = None,

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from rustchain.results import tables
 from rustchain.results.channels import VARIABLES
-from rustchain.typing import Time
+from rustchain.typing import FilePath, Time
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,7 +29,7 @@ class Exports:
 
     def animate(
         self,
-        path: str | Path | None = None,
+        path: FilePath | None = None,
         *,
         start: Time = None,
         end: Time = None,
@@ -101,7 +100,7 @@ class Exports:
 
     def report(
         self,
-        path: str | Path,
+        path: FilePath,
         *,
         start: Time = None,
         end: Time = None,
@@ -142,7 +141,7 @@ class Exports:
         """Return a row for each time and a column for each number: ``hinge_force_vector_6_x``."""
         return tables.table_of(self.to_xarray(), VARIABLES)
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: FilePath) -> None:
         """Write everything to a netCDF file, for `load_result`.
 
         The file is there whole or not at all: an existing one is replaced when the new one is

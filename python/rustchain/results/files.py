@@ -21,13 +21,14 @@ from rustchain.results.result import Result
 from rustchain.results.stored import StoredArrays, header_of, is_streamed
 from rustchain.results.tables import ENDS, FORMAT, JUMPS, array_of
 from rustchain.results.views import Jumps
+from rustchain.typing import FilePath
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 @known_keywords
-def load_result(path: str | Path) -> Result:
+def load_result(path: FilePath) -> Result:
     """Return the result that `Result.save` or a run with ``out`` wrote to `path`.
 
     The arrays of a run with ``out`` are read when they are accessed. Such a file can be loaded

@@ -32,7 +32,7 @@ from rustchain.results.views import (
     SprocketMotion,
     Strand,
 )
-from rustchain.typing import Array
+from rustchain.typing import Array, Count
 
 Status = Literal["finished", "stopped", "interrupted", "failed"]
 
@@ -163,7 +163,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
             msg = f"{group} were not recorded; pass record=(..., {shown(group)}) to run"
         raise NotRecorded(msg)
 
-    def hinge(self, number: int) -> Hinge:
+    def hinge(self, number: Count) -> Hinge:
         """Return hinge `number`, which joins the front of that link and the rear of the next.
 
         Hinge `links` of an open chain joins the last link and end 2, hinge `links` + 2 joins end 1
@@ -174,14 +174,14 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         more = (self._if_recorded(f"hinge_{name}", k) for name in ("film_force", "onset_speed"))
         return Hinge(self.time, *(self._column(f"hinge_{name}", k) for name in names), *more)
 
-    def bushing(self, number: int) -> Bushing:
+    def bushing(self, number: Count) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""
         k = position_of("bushing", number, self.drive.hinge_count)
         names = ("force", "penetration", "sprocket", "index", "region")
         more = (self._if_recorded(f"tooth_{name}", k) for name in ("force_vector", "onset_speed"))
         return Bushing(self.time, *(self._column(f"tooth_{name}", k) for name in names), *more)
 
-    def roller(self, number: int) -> RollerOnBushing:
+    def roller(self, number: Count) -> RollerOnBushing:
         """Return roller `number`, on the bushing with the same number, where rollers are bodies."""
         if self.drive.chain.roller is None:
             msg = "roller: the chain's rollers are no bodies of their own; see Chain.roller"
@@ -209,7 +209,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         """
         return tuple(_rustchain.strand_names(self.drive))
 
-    def strand(self, name: str | int) -> Strand:
+    def strand(self, name: str | Count) -> Strand:
         """Return a strand by its name in `strand_names` or by its number there, from 1."""
         names = self.strand_names
         if not isinstance(name, str):
@@ -218,19 +218,19 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
             k = place_of("strand", name, names)
         return Strand(self.time, self._column("strand_tension", k))
 
-    def sprocket(self, number: int) -> SprocketMotion:
+    def sprocket(self, number: Count) -> SprocketMotion:
         """Return sprocket `number`; 1 is the driver."""
         k = position_of("sprocket", number, len(self.drive.sprockets))
         names = ("angle", "speed", "torque", "center")
         return SprocketMotion(self.time, *(self._column(f"sprocket_{name}", k) for name in names))
 
-    def end(self, number: int) -> ChainEnd:
+    def end(self, number: Count) -> ChainEnd:
         """Return end `number` of an open chain: 1 before its first link, 2 behind its last one."""
         k = position_of("end", number, 0 if self.drive.ends is None else 2)
         names = ("force", "position", "velocity")
         return ChainEnd(self.time, *(self._column(f"end_{name}", k) for name in names))
 
-    def guide(self, number: int) -> SprocketMotion:
+    def guide(self, number: Count) -> SprocketMotion:
         """Return guide `number`: angle and place of its bearing, torque on it.
 
         In arrays the guides follow the sprockets; a bushing's `sprocket` counts them on.

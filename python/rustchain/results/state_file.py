@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
@@ -15,7 +14,7 @@ from rustchain.description.base import Description
 from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput
 from rustchain.paths import check_there, shown_path, write_whole
-from rustchain.typing import Array
+from rustchain.typing import Array, FilePath
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -56,7 +55,7 @@ def restored(
     return found
 
 
-def write(path: str | Path, scene: Scene, start: Sequence[Array], state: Mapping[str, Any]) -> None:
+def write(path: FilePath, scene: Scene, start: Sequence[Array], state: Mapping[str, Any]) -> None:
     """Write a scene, its start and a state; the file is there whole or not at all."""
     from rustchain import __version__
 
@@ -70,7 +69,7 @@ def write(path: str | Path, scene: Scene, start: Sequence[Array], state: Mapping
     write_whole(path, archive.getbuffer())
 
 
-def read(path: str | Path) -> tuple[Scene, dict[str, Array | None], dict[str, Any]]:
+def read(path: FilePath) -> tuple[Scene, dict[str, Array | None], dict[str, Any]]:
     """Return the scene, its start and the state that `write` wrote."""
     packed = check_there(path, "Simulation.save_state").read_bytes()
     try:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import warnings
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
@@ -28,7 +27,7 @@ from rustchain.panics import IN_USE
 from rustchain.results import state_file
 from rustchain.simulation.core import core_of, start_of
 from rustchain.simulation.evaluation import Evaluation
-from rustchain.typing import Array
+from rustchain.typing import Array, FilePath, Number
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -139,7 +138,7 @@ class Present(OfScene):
         self._warn()
 
     @known_keywords
-    def save_state(self, path: str | Path) -> None:
+    def save_state(self, path: FilePath) -> None:
         """Write the state and its scene to a file.
 
         The file is a NumPy archive (.npz); one that is there already is replaced when the new one
@@ -150,7 +149,7 @@ class Present(OfScene):
 
     @classmethod
     @known_keywords
-    def load_state(cls, path: str | Path) -> Self:
+    def load_state(cls, path: FilePath) -> Self:
         """Return a simulation that continues from the state in a file, to the same bits.
 
         Parameters
@@ -185,7 +184,7 @@ class Present(OfScene):
         self,
         positions: npt.ArrayLike | None = None,
         velocities: npt.ArrayLike | None = None,
-        time: float | None = None,
+        time: Number | None = None,
     ) -> Evaluation:
         """Return accelerations and contacts of a state, without touching the simulation.
 

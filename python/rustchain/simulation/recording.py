@@ -13,11 +13,9 @@ import numpy as np
 from rustchain.errors import SimulationError, attach
 from rustchain.results.result import Result, Status
 from rustchain.simulation.run import seconds_bar
-from rustchain.typing import Array
+from rustchain.typing import Array, FilePath
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from rustchain.results.stream import Stream
     from rustchain.simulation.simulation import Simulation
     from rustchain.simulation.stop import Look
@@ -63,7 +61,7 @@ class Recording:
         self._taken: list[dict[str, Any]] = []
         self._end: tuple[Status, str, dict[str, Any]]  # status, message and stats in the file
 
-    def stream_to(self, out: str | Path, piece: Piece) -> None:
+    def stream_to(self, out: FilePath, piece: Piece) -> None:
         """Have the rows written to a file during the run."""
         from rustchain.results.stream import Stream  # with threads, which nothing else needs
 

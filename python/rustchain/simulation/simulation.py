@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy.typing as npt
@@ -34,6 +33,7 @@ from rustchain.simulation.run import (
     numbers_of_a_row,
 )
 from rustchain.simulation.stop import StopCondition, looks_of
+from rustchain.typing import Count, FilePath, Number
 
 
 @known_keywords(min_approach_speed="min_impact_velocity")
@@ -112,21 +112,21 @@ class Simulation(Present):
         self._warn()
 
     @known_keywords
-    def step_to(self, t: float) -> None:
+    def step_to(self, t: Number) -> None:
         """Continue to exactly `t` [s].
 
         The energy balance is not integrated, which makes it the fastest way to advance.
         """
         self._check_idle("step_to")
-        t = plain(t)
+        end = plain(t)
         try:
-            while not self._core.step_to(t, WALL_BUDGET):
+            while not self._core.step_to(end, WALL_BUDGET):
                 pass
         finally:
             self._warn()
 
     @known_keywords
-    def set_speed(self, part: str | int, speed: Signal) -> None:
+    def set_speed(self, part: str | Count, speed: Signal) -> None:
         """Set the speed of a sprocket or a driver from now on; its position does not jump.
 
         For co-simulation, between calls of `step_to`, or in a run's `callback`. The integrator goes
@@ -156,7 +156,7 @@ class Simulation(Present):
         self._set("speed", part, speed)
 
     @known_keywords
-    def set_torque(self, part: str | int, torque: Signal) -> None:
+    def set_torque(self, part: str | Count, torque: Signal) -> None:
         """Set the torque on a sprocket or a body from now on; see `set_speed`.
 
         Parameters
@@ -178,12 +178,12 @@ class Simulation(Present):
         """
         self._set("torque", part, torque)
 
-    def _set(self, quantity: Quantity, part: str | int, value: Signal) -> None:
+    def _set(self, quantity: Quantity, part: str | Count, value: Signal) -> None:
         """Set a speed or a torque from now on."""
         self._core.set_input(part_of(self.scene.system, part, quantity), quantity, plain(value))
 
     @known_keywords
-    def set_tensioner_force(self, force: float) -> None:
+    def set_tensioner_force(self, force: Number) -> None:
         """Set the force of the tensioner from now on; see `set_speed`.
 
         Parameters
@@ -211,16 +211,16 @@ class Simulation(Present):
     @known_keywords
     def run(
         self,
-        duration: float,
-        report_step: float = 1e-4,
+        duration: Number,
+        report_step: Number = 1e-4,
         *,
         record: Sequence[Group] | None = None,
         energy: bool | None = None,
         progress: bool = True,
         stop: StopCondition | Sequence[StopCondition] = (),
         callback: Callable[[Simulation], object] | None = None,
-        out: str | Path | None = None,
-        memory: str | int | None = None,
+        out: FilePath | None = None,
+        memory: str | Count | None = None,
     ) -> Result:
         """Advance the simulation by `duration` and record.
 
@@ -294,19 +294,19 @@ class Simulation(Present):
         groups, energy = known_groups(self.scene, record, energy)
         looks = looks_of(self, stop, callback, groups)
         check_truth("progress", progress)
-        duration, report_step = plain(duration), plain(report_step)
+        seconds, step = plain(duration), plain(report_step)
         numbers = numbers_of_a_row(self, groups, energy)
         if out is None:
-            check_rows_fit(duration, report_step, numbers)
+            check_rows_fit(seconds, step, numbers)
         piece = rows_of_a_piece(out, memory, numbers)
         recording = Recording(self, (self.positions, self.velocities), self._core.stats())
-        self._core.start_recording(duration, report_step, groups, energy)
+        self._core.start_recording(seconds, step, groups, energy)
         self._runner = threading.get_ident()
         try:
             if out is not None:
-                rows = int(duration / report_step) + 2  # a chunk takes its whole size in the file
+                rows = int(seconds / step) + 2  # a chunk takes its whole size in the file
                 recording.stream_to(out, piece._replace(chunk=min(piece.chunk, rows)))
-            return recording.run(duration, progress, looks)
+            return recording.run(seconds, progress, looks)
         finally:
             self._runner = None
             self._core.take_recording()  # whatever else ended the run

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +15,7 @@ from rustchain.results.result import Result
 from rustchain.sweeps.cases import check_burn_in
 from rustchain.sweeps.running import DaskClient
 from rustchain.sweeps.sweep import sweep
+from rustchain.typing import Count, FilePath, Number, Numbers
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -30,16 +29,16 @@ _LOSS = "loss of "  # before the name of a channel
 @checked
 def loss_map(
     scene: Scene | ChainDrive,
-    speeds: Sequence[float],
-    torques: Sequence[float],
+    speeds: Numbers,
+    torques: Numbers,
     *,
-    loaded: int = 2,
-    duration: float = 0.5,
-    burn_in: float = 0.2,
-    report_step: float = 1e-4,
-    threads: int | None = None,
+    loaded: Count = 2,
+    duration: Number = 0.5,
+    burn_in: Number = 0.2,
+    report_step: Number = 1e-4,
+    threads: Count | None = None,
     executor: Executor | DaskClient | None = None,
-    store: str | Path | None = None,
+    store: FilePath | None = None,
     retry: bool = False,
     progress: bool = True,
 ) -> xr.Dataset:
@@ -134,7 +133,7 @@ def loss_map(
     )
 
 
-def _balance(result: Result, *, loaded: int, burn_in: float) -> dict[str, float]:
+def _balance(result: Result, *, loaded: Count, burn_in: Number) -> dict[str, float]:
     """Return efficiency, power lost, in all and by channel, and delivered [W] after the burn-in."""
     power = result.power_balance(start=burn_in)
     loss = power["loss"]

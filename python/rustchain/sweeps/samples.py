@@ -11,6 +11,7 @@ import numpy.typing as npt
 from rustchain.arguments import checked, count_within, shown
 from rustchain.errors import InvalidInput
 from rustchain.sweeps.cases import MOST_CASES
+from rustchain.typing import Count
 
 Sampling = Literal["random", "latin-hypercube", "sobol", "halton"]
 
@@ -19,7 +20,7 @@ _LEAST = 2.0**-53  # of a probability: at 0 and 1 many distributions are infinit
 
 @checked
 def samples(
-    distributions: Mapping[str, Any], count: int, *, seed: int = 0, method: Sampling = "random"
+    distributions: Mapping[str, Any], count: Count, *, seed: Count = 0, method: Sampling = "random"
 ) -> dict[tuple[str, ...], list[tuple[float, ...]]]:
     """Return samples of parameters, as an axis for `sweep` or `study`.
 

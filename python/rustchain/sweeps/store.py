@@ -33,6 +33,7 @@ from rustchain.sweeps.cases import Axes, Parameters, cases_of
 from rustchain.sweeps.identity import digest_of
 from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
+from rustchain.typing import FilePath
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -183,7 +184,7 @@ def _axes_of(cases: list[Parameters]) -> Axes | None:
 
 
 @known_keywords
-def load_sweep(store: str | Path) -> SweepResult:
+def load_sweep(store: FilePath) -> SweepResult:
     """Return the cases in the folder that `sweep` had as its store, of all its sweeps.
 
     Nothing is run. Cases are ordered by their parameters. All combinations of two parameters or

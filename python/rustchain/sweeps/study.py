@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +24,7 @@ from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.running import DaskClient
 from rustchain.sweeps.sweep import sweep
+from rustchain.typing import Count, FilePath, Number
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -145,19 +145,19 @@ def study(
     scene: System,
     measure: Callable[[Result], Any] | None = None,
     *,
-    runs: int = 8,
-    duration: float = 0.5,
-    burn_in: float = 0.1,
-    confidence: float = 0.95,
+    runs: Count = 8,
+    duration: Number = 0.5,
+    burn_in: Number = 0.1,
+    confidence: Number = 0.95,
     axes: Mapping[Any, Iterable[Any]] | None = None,
-    report_step: float = 1e-4,
+    report_step: Number = 1e-4,
     record: Sequence[Group] | None = None,
     energy: bool | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
-    threads: int | None = None,
+    threads: Count | None = None,
     executor: Executor | DaskClient | None = None,
-    store: str | Path | None = None,
+    store: FilePath | None = None,
     retry: bool = False,
     progress: bool = True,
 ) -> StudyResult:
@@ -258,11 +258,11 @@ def study(
         stop=stop,
         callback=callback,
     )
-    return StudyResult(found, confidence, burn_in)
+    return StudyResult(found, float(confidence), float(burn_in))
 
 
 def _numbers(
-    result: Result, *, of: Callable[[Result], Any] | None, burn_in: float, taken: tuple[str, ...]
+    result: Result, *, of: Callable[[Result], Any] | None, burn_in: Number, taken: tuple[str, ...]
 ) -> dict[str, Any]:
     """Return the measured values of a run after the burn-in [s], under names not `taken`."""
     if of is None:

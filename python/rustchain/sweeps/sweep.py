@@ -35,6 +35,7 @@ from rustchain.sweeps.running import (
     run_on,
 )
 from rustchain.sweeps.store import Measured, Store, StoredResults
+from rustchain.typing import Count, FilePath, Number
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -46,15 +47,15 @@ def sweep(
     axes: Mapping[Any, Iterable[Any]] | Sequence[Mapping[str, Any]],
     measure: Callable[[Result], Any] | None = None,
     *,
-    duration: float = 2.0,
-    report_step: float = 1e-4,
+    duration: Number = 2.0,
+    report_step: Number = 1e-4,
     record: Sequence[Group] | None = None,
     energy: bool | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
-    threads: int | None = None,
+    threads: Count | None = None,
     executor: Executor | DaskClient | None = None,
-    store: str | Path | None = None,
+    store: FilePath | None = None,
     retry: bool = False,
     progress: bool = True,
 ) -> SweepResult:
@@ -170,7 +171,8 @@ def sweep(
     check_truth("retry", retry)
     check_names(scene, run, cases)
     looks = Looks(stop, callback, len(check_looks(stop, callback)) > 0 or callback is not None)
-    number_of_threads(threads)
+    if threads is not None:
+        threads = number_of_threads(threads)
     if executor is not None:
         check_executor(executor)
         if threads is not None:

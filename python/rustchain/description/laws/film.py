@@ -9,6 +9,7 @@ from rustchain import _rustchain
 from rustchain.arguments import checked
 from rustchain.description.base import Description, description
 from rustchain.errors import InvalidInput
+from rustchain.typing import Pair
 
 
 @description(frozen=True)
@@ -51,7 +52,7 @@ class LubricantFilm(Description):
         self,
         eccentricity: npt.ArrayLike,
         velocity: npt.ArrayLike,
-        radii: tuple[float, float],
+        radii: Pair,
         length: float,
     ) -> npt.NDArray[np.float64]:
         """Return the force on the pin [N], along its eccentricity and left of that.
@@ -96,7 +97,8 @@ class LubricantFilm(Description):
                 f"{np.shape(eccentricity)}; expected (..., 2) and (...)"
             )
             raise InvalidInput(msg)
+        pin, bore = radii
         force = _rustchain.film_forces(
-            self, radii, length, np.ascontiguousarray(sizes.ravel()), speeds.reshape(-1, 2)
+            self, (pin, bore), length, np.ascontiguousarray(sizes.ravel()), speeds.reshape(-1, 2)
         )
         return force.reshape(speeds.shape)

@@ -14,6 +14,7 @@ from rustchain.description.base import Description, description
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
+from rustchain.typing import Pair
 
 Damping = Literal[
     "lankarani-nikravesh",
@@ -75,7 +76,7 @@ class ForceLaw(Description):
     def elastic_force(
         self,
         penetration: npt.ArrayLike,
-        radii: tuple[float, float],
+        radii: Pair,
         length: float,
         surfaces: Surfaces = "internal",
         material: Material | None = None,
@@ -107,10 +108,12 @@ class ForceLaw(Description):
         746.3
         """
         depth = np.asarray(penetration, dtype=np.float64)
+        radius_i, radius_j = radii
         force = _rustchain.law_force(
             self,
             surfaces,
-            *radii,
+            radius_i,
+            radius_j,
             length,
             Material() if material is None else material,
             np.ascontiguousarray(depth.ravel()),

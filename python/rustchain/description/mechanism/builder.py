@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from rustchain.arguments import admitted, checked, shown
 from rustchain.description.base import described
-from rustchain.description.mechanism.checks import Point, check_name, check_part_name, numbers
+from rustchain.description.mechanism.checks import check_name, check_part_name, numbers
 from rustchain.description.mechanism.contacts import WithContacts
 from rustchain.description.mechanism.forces import WithForces
 from rustchain.description.mechanism.joints import WithJoints
@@ -18,6 +18,7 @@ from rustchain.description.plausibility import implausible_inputs
 from rustchain.errors import InvalidInput
 from rustchain.html import HtmlView
 from rustchain.names import counted, known_keywords
+from rustchain.typing import Numbers, Point
 
 _PARTS: dict[str, type[Any]] = {
     "bodies": Body,
@@ -123,8 +124,8 @@ class Mechanism(WithJoints, WithForces, WithContacts, HtmlView):
         name: str,
         mass: float,
         inertia: float,
-        position: Point = (0.0, 0.0, 0.0),
-        velocity: Point = (0.0, 0.0, 0.0),
+        position: Numbers = (0.0, 0.0, 0.0),
+        velocity: Numbers = (0.0, 0.0, 0.0),
         fixed: bool = False,
     ) -> str:
         """Add a rigid body, and return its name.

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from contextlib import suppress
-from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import finite_array, shown
-from rustchain.description.signals import Rows, Signal
+from rustchain.description.signals import Signal
 from rustchain.errors import InvalidInput
-
-Point: TypeAlias = Sequence[float]
+from rustchain.typing import Numbers, Rows
 
 _LONGEST_NAME = 200  # characters: two lines of a message, and the width of a legend
 
@@ -79,7 +76,7 @@ def rows(field: str, given: object, width: int) -> npt.NDArray[np.float64]:
     return values
 
 
-def arcs(name: str, points: Rows, bulges: Sequence[float], closed: bool) -> list[tuple[float, ...]]:
+def arcs(name: str, points: Rows, bulges: Numbers, closed: bool) -> list[tuple[float, ...]]:
     """Return pieces (from, to, centre, 1 convex, -1 concave or 0 straight) of a bulged outline."""
     corners = rows(f"points of contact {shown(name)}", points, 2)
     pieces = len(corners) if closed else len(corners) - 1

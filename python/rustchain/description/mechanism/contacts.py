@@ -7,10 +7,10 @@ from typing import Any
 
 from rustchain.arguments import shown
 from rustchain.description.drive import Chain, Sprocket
-from rustchain.description.mechanism.checks import Point, arcs, point, rows
+from rustchain.description.mechanism.checks import arcs, point, rows
 from rustchain.description.mechanism.parts import Contact, ContactLaw
-from rustchain.description.signals import Rows
 from rustchain.errors import InvalidInput
+from rustchain.typing import Numbers, Point, Rows
 
 
 class WithContacts:
@@ -89,7 +89,7 @@ class WithContacts:
         law: ContactLaw,
         *,
         circle_point: Point = (0.0, 0.0),
-        bulges: Sequence[float] | None = None,
+        bulges: Numbers | None = None,
         closed: bool = True,
     ) -> None:
         """Add a contact of a circle on one body with an outline on another.

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rustchain.arguments import finite_number, plain, shown
-from rustchain.description.mechanism.checks import Point, one_of
+from rustchain.description.mechanism.checks import one_of
 from rustchain.description.mechanism.checks import point as point_of
 from rustchain.description.mechanism.parts import GROUND, Force, LoadFunction
 from rustchain.description.signals import Curve, Signal
 from rustchain.errors import InvalidInput
+from rustchain.typing import Numbers, Point
 
 
 def _check_stiffness(name: str, stiffness: object, cubic: object, unit: str) -> None:
@@ -38,7 +39,7 @@ class WithForces:
         self,
         name: str,
         body: str,
-        force: Sequence[Signal],
+        force: Sequence[Signal] | Numbers,
         point: Point = (0.0, 0.0),
         follows: bool = False,
     ) -> None:

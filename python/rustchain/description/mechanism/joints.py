@@ -8,11 +8,12 @@ from typing import Any
 
 from rustchain.arguments import shown
 from rustchain.description.laws.friction import Coulomb
-from rustchain.description.mechanism.checks import Point, numbers, one_of, point
+from rustchain.description.mechanism.checks import numbers, one_of, point
 from rustchain.description.mechanism.parts import GROUND, Body, Joint
 from rustchain.description.signals import Signal
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.typing import Point
 
 
 class WithJoints:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -13,10 +13,11 @@ from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
-from rustchain.description.mechanism.checks import Point, check_part_name
-from rustchain.description.signals import Curve, Rows, Signal
+from rustchain.description.mechanism.checks import check_part_name
+from rustchain.description.signals import Curve, Signal
+from rustchain.typing import Numbers, Point, Rows
 
-LoadFunction: TypeAlias = Callable[[float, list[float], list[float]], Sequence[float]]
+LoadFunction: TypeAlias = Callable[[float, list[float], list[float]], Numbers]
 
 GROUND = "ground"
 _LAW = LankaraniNikravesh()
@@ -143,8 +144,8 @@ class Body(Part):
     name: str
     mass: float
     inertia: float
-    position: Point = (0.0, 0.0, 0.0)
-    velocity: Point = (0.0, 0.0, 0.0)
+    position: Numbers = (0.0, 0.0, 0.0)
+    velocity: Numbers = (0.0, 0.0, 0.0)
     fixed: bool = False
 
 
