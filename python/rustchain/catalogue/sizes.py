@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from math import pi
 from pathlib import Path
@@ -103,7 +103,7 @@ class ChainSize:
     tooth_width: float
     mass_per_length: float
     strength: float
-    sources: Mapping[str, str]
+    sources: Mapping[str, str] = field(hash=False)
 
     def breaking_load(self, strands: int = 1) -> float | None:
         """Return the smallest ultimate tensile strength of all strands [N]; None: not known.
@@ -208,16 +208,16 @@ class ChainSize:
     def __str__(self) -> str:
         """Return a table of the size, with the source of each number."""
         lines = [f"{self.name} ({self.standard}), simplex"]
-        for field in fields(self)[2:-1]:
-            value = getattr(self, field.name)
-            if field.name == "mass_per_length":
+        for each in fields(self)[2:-1]:
+            value = getattr(self, each.name)
+            if each.name == "mass_per_length":
                 shown = f"{value:10.3f} kg/m"
-            elif field.name == "strength":
+            elif each.name == "strength":
                 shown = f"{1e-3 * value:10.3f} kN"
             else:
                 shown = f"{1e3 * value:10.3f} mm"
-            label = field.name.replace("_", " ")
-            lines.append(f"  {label:<22}{shown:<17}{self.sources[field.name]}")
+            label = each.name.replace("_", " ")
+            lines.append(f"  {label:<22}{shown:<17}{self.sources[each.name]}")
         for label, part in zip(("inner link", "outer link"), self.links(), strict=True):
             shown = f"{1e3 * part.mass:10.3f} g, {1e6 * part.inertia:.4g}e-6 kg m^2"
             lines.append(f"  {label:<22}{shown}  derived")
@@ -267,7 +267,7 @@ def _ansi(name: str, row: Sequence[float], table: Mapping[str, Any]) -> ChainSiz
 def _iso(name: str, row: Sequence[float], table: Mapping[str, Any]) -> ChainSize:
     """Return an ISO size; the file has what its numbers are."""
     pitch, roller, width, pin, *plates = (1e-3 * length for length in row[:8])
-    confirmed = {field: "makers" for field, names in table["confirmed"].items() if name in names}
+    confirmed = {each: "makers" for each, names in table["confirmed"].items() if name in names}
     return ChainSize(
         name=f"ISO {name}",
         standard=table["standard"],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import threading
 import warnings
 from collections.abc import Mapping
@@ -177,7 +178,10 @@ class Present(OfScene):
         place = dict(zip(("positions", "velocities"), self._core.start(), strict=True))
         made = (type(self), self.scene, place, self.state(), self.rest)
         own = ("scene", "_core", "rest", "_runner")
-        return _copied, made, {name: each for name, each in vars(self).items() if name not in own}
+        others = {name: each for name, each in vars(self).items() if name not in own}
+        names = copyreg._slotnames(type(self))  # type: ignore[attr-defined]  # as pickle has them
+        slots = {name: getattr(self, name) for name in names if hasattr(self, name)}
+        return _copied, made, (others, slots) if slots else others
 
     @known_keywords
     def evaluate(

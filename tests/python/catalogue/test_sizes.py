@@ -1,5 +1,6 @@
 """Numbers that the catalogue derives, worked out by hand in the units of the standards."""
 
+import copy
 import dataclasses
 import math
 
@@ -140,3 +141,9 @@ def test_names_of_both_standards_and_of_makers_are_those_of_a_size():
         "ansi41", "41", "#41", "rs41", "iso085", "085",
     }  # fmt: skip
     assert set(_other_names("ISO 08B")) == {"iso08b", "08b"}
+
+
+def test_sizes_are_keys_of_dicts_and_equal_by_value():
+    size = rc.chain_sizes()["ANSI 40"]
+    assert {size: 1}[copy.deepcopy(size)] == 1
+    assert size != rc.chain_sizes()["ANSI 50"]

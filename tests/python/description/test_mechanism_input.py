@@ -163,7 +163,7 @@ def held_bar(**changed):
     ],
 )
 def test_inputs_in_another_unit_are_told_with_field_value_and_remedy(changed, says):
-    assert held_bar().check().warnings == []
+    assert held_bar().check().warnings == ()
     (told,) = [text for text in held_bar(**changed).check().warnings if re.search(says, text)]
     with pytest.warns(rc.RustchainWarning) as caught:
         rc.Simulation(held_bar(**changed))
@@ -288,4 +288,4 @@ law = {type = "LinearContact", stiffness = 1e5}
 def test_a_snap_spring_has_a_negative_stiffness_and_a_cubic_part():
     mechanism = held_bar()
     mechanism.add_spring("snap", "ground", "bar", -1.0, cubic=100.0, point_a=(0.0, 1.0))
-    assert mechanism.check().warnings == []
+    assert mechanism.check().warnings == ()

@@ -171,7 +171,7 @@ def test_velocities_that_assembly_changed_are_told_by_body():
     driven = pendulum()
     driven.add_driver("motor", "ground", "bar", speed=4.0)
     report = driven.check()
-    assert report.warnings == []
+    assert report.warnings == ()
     assert (report.velocity_change, report.spin_change) == pytest.approx((2.0, 4.0))
     assert "velocities           changed by up to 2 m/s, 4 rad/s" in str(report)
 

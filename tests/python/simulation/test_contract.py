@@ -184,6 +184,18 @@ def test_copies_of_a_simulation_keep_the_attributes_of_its_user(scene):
     assert pickle.loads(pickle.dumps(simulation)).label == ["first"]
 
 
+class _Labelled(rc.Simulation):
+    __slots__ = ("label", "never_set")
+
+
+def test_copies_of_a_simulation_keep_what_a_subclass_has_in_slots(scene):
+    simulation = _Labelled(scene)
+    simulation.label, simulation.note = "first", "second"
+    for made in (copy.copy(simulation), copy.deepcopy(simulation)):
+        assert (made.label, made.note) == ("first", "second")
+        assert not hasattr(made, "never_set")
+
+
 def test_a_copy_made_during_a_run_can_run(scene):
     simulation = rc.Simulation(scene)
     made = []

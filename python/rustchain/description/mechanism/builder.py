@@ -159,7 +159,8 @@ class Mechanism(WithJoints, WithForces, WithContacts, HtmlView):
         from rustchain.description.solver import Solver
 
         found = _rustchain.MechanismCore(self, Solver()).check()
-        found["warnings"] += implausible_inputs(self)
+        found["redundant"] = tuple(found["redundant"])
+        found["warnings"] = (*found["warnings"], *implausible_inputs(self))
         return MechanismReport(**found, mechanism=self.frozen())
 
 

@@ -23,14 +23,14 @@ class MechanismReport(HtmlView):
     ----------
     degrees_of_freedom : int
         Motions that joints and drivers leave.
-    redundant : list of str
+    redundant : tuple of str
         Joints with redundant constraints; one entry for each redundant equation.
     moved, turned : float
         Farthest that a body had to be moved [m] and turned [rad] to fulfil the joints.
     velocity_change, spin_change : float
         Largest change of a body's velocity [m/s] and rate of turning [rad/s] to fulfil joints and
         drivers; a body that is described without a velocity counts from rest.
-    warnings : list of str
+    warnings : tuple of str
         Warnings, as text.
     mechanism : Mechanism, optional
         The mechanism.
@@ -46,12 +46,12 @@ class MechanismReport(HtmlView):
     """
 
     degrees_of_freedom: int
-    redundant: list[str]
+    redundant: tuple[str, ...]
     moved: float
     turned: float
     velocity_change: float
     spin_change: float
-    warnings: list[str]
+    warnings: tuple[str, ...]
     mechanism: Mechanism | None = None
 
     def __repr__(self) -> str:
