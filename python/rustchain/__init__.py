@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from rustchain import _rustchain as _rustchain  # an incomplete installation fails here
 
 if TYPE_CHECKING:
+    from rustchain import plot as plot
     from rustchain._rustchain import instruction_set as instruction_set
     from rustchain.catalogue.generators import chain_drive as chain_drive, open_chain as open_chain
     from rustchain.catalogue.sizes import ChainSize as ChainSize
@@ -181,9 +182,12 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split
 
 __all__ = sorted(_HOME_OF)
 
+# The public package of functions beside those names; `import *` would import matplotlib with it.
+_PLOT = "plot"
+
 
 def __dir__() -> list[str]:
-    return __all__
+    return [*__all__, _PLOT]
 
 
 if not TYPE_CHECKING:  # for checkers, other names are none
@@ -193,11 +197,13 @@ if not TYPE_CHECKING:  # for checkers, other names are none
             value = getattr(import_module(f"{__name__}.{_HOME_OF[name]}"), name)
             globals()[name] = value
             return value
+        if name == _PLOT:
+            return import_module(f"{__name__}.{name}")
         from rustchain.names import DISTRIBUTION, suggest
 
         if name == "__version__":  # reading it takes longer than the package's own modules
             from importlib.metadata import version
 
             return version(DISTRIBUTION)
-        msg = f"module 'rustchain' has no attribute {name!r}; {suggest(name, __all__)}"
+        msg = f"module 'rustchain' has no attribute {name!r}; {suggest(name, __dir__())}"
         raise AttributeError(msg, name=name, obj=None)  # no second suggestion by Python

@@ -128,7 +128,13 @@ def test_type_checkers_see_the_public_names():
     block = next(node for node in tree.body if isinstance(node, ast.If))
     seen = [each for node in block.body for each in node.names]
     assert all(each.name == each.asname for each in seen)
-    assert sorted(each.name for each in seen) == rc.__all__
+    assert sorted(each.name for each in seen) == sorted(dir(rc))
+
+
+def test_figures_of_many_runs_need_no_import_of_their_own():
+    assert python("import rustchain as rc; print(rc.plot.draw_loss_map.__name__)") == (
+        "draw_loss_map\n"
+    )
 
 
 def test_json_and_drive_files_are_read_before_any_other_name_is_used(tmp_path):
