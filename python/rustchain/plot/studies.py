@@ -215,7 +215,7 @@ def draw_loss_map(losses: xr.Dataset, *, ax: Ax = None) -> Figure:
             continue
         filled = axes.contourf(speed, load, values, levels=12, cmap="viridis")
         figure.colorbar(filled, ax=axes)
-        axes.plot(*np.meshgrid(speed, load), ".", color=RED, markersize=2.5)
+        axes.plot(*np.meshgrid(speed, load), ".", color=RED, markersize=2.5, clip_on=False)
         axes.set_xlabel("speed of the driver [rad/s]")
         axes.grid(visible=False)
     if area:

@@ -50,8 +50,7 @@ def numbers_of(measured: Any, taken: Collection[str]) -> dict[str, Any]:  # noqa
             what = "" if name == "value" and measured is value else f" for {shown(name)}"
             msg = (
                 f"measure: gave {shown(value)}{what}: must be a number, an array of numbers or "
-                "a dict "
-                "of them, for there to be a mean"
+                "a dict of them"
             )
             raise InvalidInput(msg)
         if np.issubdtype(array.dtype, np.complexfloating):
