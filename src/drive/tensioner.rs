@@ -118,15 +118,39 @@ impl Tensioner {
         Ok(())
     }
 
+    /// Return the ratio of the pull to its full value at time `t` \[s\].
+    #[must_use]
+    pub fn ramp(&self, t: f64) -> f64 {
+        if t >= self.ramp_time {
+            1.0
+        } else {
+            (t / self.ramp_time).max(0.0)
+        }
+    }
+
     /// Return the guide path and pull in `drive`.
     ///
-    /// The pull is the part along the guide path of the force of a belt of the given tension on the sprocket, where the chain is taut. A
-    /// spring has reduced it to that there. With two sprockets, the angles of the strands are those of the described centres.
+    /// The pull is the force of a belt of the given tension on the sprocket, at the position of a taut chain. With two sprockets it is
+    /// the force along the line of centres, whatever the direction.
     ///
     /// # Errors
     /// When the pull does not tighten the chain: the message has the ratio of tension to force.
     pub fn line(&self, drive: &Drive) -> Result<TensionerLine> {
         let number = self.sprocket - 1;
+        let center = drive.sprockets[number].center;
+        if let (None, [first, second], None) = (&drive.ends, drive.sprockets.as_slice(), self.pivot)
+        {
+            let between = second.center - first.center;
+            let away = if number == 0 { -between } else { between };
+            let [r1, r2] = [first, second].map(|s| pitch_radius(drive.chain.pitch, s.teeth));
+            let sin = (r1 - r2) / between.norm();
+            return Ok(TensionerLine {
+                direction: self.direction.unwrap_or(away).normalize(),
+                curvature: 0.0,
+                pull: 2.0 * self.pretension * (1.0 - sin * sin).max(0.0).sqrt(),
+                taut_at: Some(0.0),
+            });
+        }
         let line = match drive.ends {
             None => Some(BeltLine::of(drive)?),
             Some(_) => None,
@@ -136,73 +160,57 @@ impl Tensioner {
             line: line.as_ref(),
             number,
         };
-        let of_two = self.pivot.is_none().then(|| way.of_two()).flatten();
-        let against = match of_two {
-            Some(against) => against,
-            None => -way.taut_at(Vec2::zeros()).map_err(Error::Impossible)?.pull,
+        let against = -way.taut_at(Vec2::zeros()).map_err(Error::Impossible)?.pull;
+        let (direction, curvature) = match (self.direction, self.pivot) {
+            (_, Some(pivot)) => {
+                let arm = center - pivot;
+                let length = arm.norm();
+                if length <= 0.0 {
+                    return Err(Error::invalid(
+                        "Tensioner.pivot",
+                        format!("({}, {})", pivot.x, pivot.y),
+                        format!("must lie off the centre of sprocket {}", self.sprocket),
+                    ));
+                }
+                // Counterclockwise about the pivot, which is then on the left.
+                let turning = turned_left(arm) / length;
+                if turning.dot(&against) >= 0.0 {
+                    (turning, 1.0 / length)
+                } else {
+                    (-turning, -1.0 / length)
+                }
+            }
+            (Some(direction), None) => (direction.normalize(), 0.0),
+            (None, None) => (against.normalize(), 0.0),
         };
-        let (direction, curvature) = self.guide_path(drive.sprockets[number].center, against)?;
         let share = direction.dot(&against);
         if share < LEAST_SHARE {
-            return Err(self.does_not_tighten(direction, against));
+            return Err(Error::invalid(
+                if self.pivot.is_some() {
+                    "Tensioner.pivot"
+                } else {
+                    "Tensioner.direction"
+                },
+                format!("({:.4}, {:.4})", direction.x, direction.y),
+                format!(
+                    "must tighten the chain: sprocket {} moved so takes up {share:.3} of its displacement; along ({:.4}, {:.4}) it \
+                     takes up {:.3}",
+                    self.sprocket,
+                    against.x / against.norm(),
+                    against.y / against.norm(),
+                    against.norm()
+                ),
+            ));
         }
         let taut_at = way.closing_place((direction, curvature));
         let s = taut_at.unwrap_or(0.0);
-        let tight = match of_two {
-            Some(_) => share,
-            None => way.share_at((direction, curvature), s).unwrap_or(share),
-        };
+        let tight = way.share_at((direction, curvature), s).unwrap_or(share);
         Ok(TensionerLine {
             direction,
             curvature,
             pull: tight * self.pretension + self.stiffness * s,
             taut_at,
         })
-    }
-
-    /// Return direction and curvature of the guide path of a sprocket at `center`, where a belt of unit tension pulls with -`against`.
-    fn guide_path(&self, center: Vec2, against: Vec2) -> Result<(Vec2, f64)> {
-        let Some(pivot) = self.pivot else {
-            return Ok((self.direction.unwrap_or(against).normalize(), 0.0));
-        };
-        let arm = center - pivot;
-        let length = arm.norm();
-        if length <= 0.0 {
-            return Err(Error::invalid(
-                "Tensioner.pivot",
-                format!("({}, {})", pivot.x, pivot.y),
-                format!("must lie off the centre of sprocket {}", self.sprocket),
-            ));
-        }
-        // Counterclockwise about the pivot, which is then on the left.
-        let turning = turned_left(arm) / length;
-        Ok(if turning.dot(&against) >= 0.0 {
-            (turning, 1.0 / length)
-        } else {
-            (-turning, -1.0 / length)
-        })
-    }
-
-    /// Return the error of a `direction` that does not tighten the chain, where a belt of unit tension pulls with -`against`.
-    fn does_not_tighten(&self, direction: Vec2, against: Vec2) -> Error {
-        let field = if self.pivot.is_some() {
-            "Tensioner.pivot"
-        } else {
-            "Tensioner.direction"
-        };
-        Error::invalid(
-            field,
-            format!("({:.4}, {:.4})", direction.x, direction.y),
-            format!(
-                "must tighten the chain: sprocket {} moved so takes up {:.3} of its displacement; along ({:.4}, {:.4}) it takes up \
-                 {:.3}",
-                self.sprocket,
-                direction.dot(&against),
-                against.x / against.norm(),
-                against.y / against.norm(),
-                against.norm()
-            ),
-        )
     }
 }
 
@@ -224,18 +232,6 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    /// Return the force against a belt of unit tension round two sprockets, along their line of centres; `None` for another number.
-    fn of_two(&self) -> Option<Vec2> {
-        let (None, [first, second]) = (&self.drive.ends, self.drive.sprockets.as_slice()) else {
-            return None;
-        };
-        let between = second.center - first.center;
-        let away = if self.number == 0 { -between } else { between };
-        let [r1, r2] = [first, second].map(|s| pitch_radius(self.drive.chain.pitch, s.teeth));
-        let sin = (r1 - r2) / between.norm();
-        Some(2.0 * (1.0 - sin * sin).max(0.0).sqrt() * away.normalize())
-    }
-
     /// Return the belt with the sprocket's centre moved by `offset`.
     fn taut_at(&self, offset: Vec2) -> std::result::Result<Taut, String> {
         let Some(line) = self.line else {
@@ -274,6 +270,7 @@ impl Way<'_> {
     }
 
     /// Return the displacement at which the belt is as long as the chain \[m\]. With a loaded or free end the chain is taut at zero.
+    /// keeps it so, at once.
     fn closing_place(&self, (direction, curvature): (Vec2, f64)) -> Option<f64> {
         let chain = &self.drive.chain;
         // Under tension every pin has gone to the end of its clearance, where it has one; an open chain has one more of them than links.
