@@ -118,16 +118,6 @@ impl Tensioner {
         Ok(())
     }
 
-    /// Return the ratio of the pull to its full value at time `t` \[s\].
-    #[must_use]
-    pub fn ramp(&self, t: f64) -> f64 {
-        if t >= self.ramp_time {
-            1.0
-        } else {
-            (t / self.ramp_time).max(0.0)
-        }
-    }
-
     /// Return the guide path and pull in `drive`.
     ///
     /// The pull is the force of a belt of the given tension on the sprocket, at the position of a taut chain. With two sprockets it is
@@ -270,7 +260,6 @@ impl Way<'_> {
     }
 
     /// Return the displacement at which the belt is as long as the chain \[m\]. With a loaded or free end the chain is taut at zero.
-    /// keeps it so, at once.
     fn closing_place(&self, (direction, curvature): (Vec2, f64)) -> Option<f64> {
         let chain = &self.drive.chain;
         // Under tension every pin has gone to the end of its clearance, where it has one; an open chain has one more of them than links.

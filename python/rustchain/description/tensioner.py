@@ -13,7 +13,9 @@ class Tensioner(Description):
     Attributes
     ----------
     pretension : float
-        Tension of the strands at rest [N], in the position where the slack is taken up.
+        Tension of the strands at rest [N], in the position where the slack is taken up. Two
+        sprockets without a pivot have it along their line of centres and without `stiffness`: the
+        force is that of this case, whatever the direction, and a spring reduces it.
     sprocket : int
         Number of the sprocket, from 1.
     ramp_time : float
