@@ -128,7 +128,7 @@ impl<S: System> Recorder<S> {
         self.peaks.iter().any(|peaks| !peaks.is_empty())
     }
 
-    /// Store the forces of the last evaluation, at the end of a step, before reports within the step are evaluated.
+    /// Store the forces at the end of a step, before reports within the step are evaluated.
     pub(crate) fn keep_step_forces(&mut self, system: &S) {
         for (kind, peaks) in self.peaks.iter_mut().enumerate() {
             if !peaks.is_empty() {
@@ -137,9 +137,8 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// Store the forces at the end of a step, and include the energies there in the balance.
-    pub(crate) fn keep_step_end(&mut self, system: &S) {
-        self.keep_step_forces(system);
+    /// Include the energies at the end of a step in the balance.
+    pub(crate) fn include_step_energy(&mut self, system: &S) {
         if S::records_energy(self.groups)
             && let Some(energy) = system.energy_at_step_end()
         {

@@ -272,7 +272,7 @@ impl<S: System> Simulation<S> {
         let stepped = timed.then(Instant::now);
         let finished = step.and_then(|step| {
             if let Some(recorder) = &mut self.recorder {
-                recorder.keep_step_end(&self.system);
+                recorder.include_step_energy(&self.system);
             }
             self.system
                 .finish_step(&mut self.adams, &step)
@@ -280,6 +280,14 @@ impl<S: System> Simulation<S> {
         });
         let step = finished.inspect_err(|_| self.system.go_back(&mut self.adams))?;
         self.limit_step();
+        let peaks = self
+            .recorder
+            .as_mut()
+            .filter(|recorder| recorder.has_peaks());
+        (self.system).reach_step_end(&self.adams, &step, peaks.is_some());
+        if let Some(recorder) = peaks {
+            recorder.keep_step_forces(&self.system);
+        }
         self.system.meter_step(&self.adams, &step);
         if let (Some(begin), Some(stepped)) = (begin, stepped) {
             self.wall.include(stepped - begin, stepped.elapsed());

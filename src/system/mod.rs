@@ -47,8 +47,8 @@ pub struct Identity {
 
 /// Second-order system that a run integrates, records and restores.
 ///
-/// The order of calls in a step is: [`Self::begin_step`], the integrator's step, [`Self::write_peak_forces`], [`Self::finish_step`],
-/// [`Self::longest_step`], [`Self::meter_step`].
+/// The order of calls in a step is: [`Self::begin_step`], the integrator's step, [`Self::energy_at_step_end`], [`Self::finish_step`],
+/// [`Self::longest_step`], [`Self::reach_step_end`], [`Self::write_peak_forces`], [`Self::meter_step`].
 pub trait System: SecondOrderSystem + Clone + Debug {
     /// Compiled description.
     type Model: Debug;
@@ -112,6 +112,10 @@ pub trait System: SecondOrderSystem + Clone + Debug {
 
     /// Use the present state of `adams` as the start of the next step of the energy quadrature, if the energy quadrature is on.
     fn resume_metering(&mut self, _adams: &Adams) {}
+
+    /// Change forces and powers of the last evaluation to those at the end of the last step, where `peaks` are recorded or the energy
+    /// quadrature is on.
+    fn reach_step_end(&mut self, _adams: &Adams, _step: &Step, _peaks: bool) {}
 
     /// Add the energies of the last step, if the energy quadrature is on.
     fn meter_step(&mut self, _adams: &Adams, _step: &Step) {}

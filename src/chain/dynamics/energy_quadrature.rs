@@ -45,46 +45,55 @@ impl Dynamics {
         }
     }
 
-    /// Change the powers of the last evaluation, which wrote slopes, to those at (`t`, `y`). `y` is the evaluated state after the last
+    /// Change forces and powers of the last evaluation, which wrote slopes, to those at (`t`, `y`). `y` is the evaluated state after the last
     /// correction of the velocities with γ.
-    pub fn correct_powers(&mut self, end: (f64, &[f64]), (gamma, correction): (f64, &[f64])) {
+    pub fn correct_forces(&mut self, end: (f64, &[f64]), (gamma, correction): (f64, &[f64])) {
         let border = &correction[3 * self.model.links..self.model.body_coordinates()];
-        (self.kernels).correct_powers(&self.model, end, (gamma, border));
+        (self.kernels).correct_forces(&self.model, end, (gamma, border));
     }
 
-    /// Return whether the slopes of all powers are known: damped contacts of hinges and teeth alone.
-    fn has_power_slopes(&self) -> bool {
+    /// Return whether all forces and powers change by slopes: damped contacts of hinges and teeth alone.
+    fn has_all_slopes(&self) -> bool {
         let model = &self.model;
         !model.has_moments() && model.rollers.is_none() && model.ends.is_none()
     }
 
+    /// Change forces and powers of the last evaluation to those at the end of the last step, where energy is kept or `peaks` are recorded.
+    ///
+    /// Call it after [`Self::finish_step`], which reads the contacts of the last evaluation. That stores new impact velocities: evaluations
+    /// from here on use them, the forces of the step used the present rates.
+    pub(super) fn reach_end_of_step(&mut self, adams: &Adams, step: &Step, peaks: bool) {
+        if !self.keeps_energy && !peaks {
+            return;
+        }
+        let end = (step.end, adams.y());
+        match adams.correction_after_evaluation() {
+            None => {}
+            Some(correction) if self.has_all_slopes() => self.correct_forces(end, correction),
+            Some(_) => {
+                if self.keeps_energy {
+                    self.quadrature.count_evaluation();
+                }
+                let rates = &mut self.slope[self.model.coordinates..];
+                let (model, memory, (t, y)) = (&self.model, &self.memory, end);
+                self.kernels.powers(model, memory, t, y, rates);
+                self.kernels.return_to_step_end();
+            }
+        }
+    }
+
     /// Add the energies of the last step, while energy is kept. Call it last: it evaluates the right-hand side inside the step, so that the
     /// contacts of the last evaluation are then not those of the step's end.
-    ///
-    /// [`Self::finish_step`] has stored new impact velocities: powers inside this step use them, the forces of the step used the present
-    /// rates.
     pub(super) fn add_energies_of_step(&mut self, adams: &Adams, step: &Step) {
         if !self.keeps_energy {
             return;
-        }
-        // Evaluations inside the step come after this: the answer is that of the step's last one.
-        let smooth = !self.kernels.changed();
-        let corrected = adams.correction_after_evaluation();
-        let by_slopes = self.has_power_slopes();
-        if let Some(correction) = corrected.filter(|_| by_slopes) {
-            self.correct_powers((step.end, adams.y()), correction);
         }
         let (model, memory, y) = (&self.model, &self.memory, &mut self.inside);
         let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
         // `rates` is scratch for the rates of bristles.
         let kernels = &mut self.kernels;
-        let at_end = if corrected.is_some() && !by_slopes {
-            self.quadrature.count_evaluation();
-            kernels.powers(model, memory, step.end, adams.y(), rates)
-        } else {
-            kernels.last_powers(model, step.end)
-        };
-        (self.quadrature).add_step(step, (at_end, smooth), |part, t| {
+        let at_end = (kernels.last_powers(model, step.end), !self.events.changed);
+        (self.quadrature).add_step(step, at_end, |part, t| {
             adams.write_cubic(part, y);
             kernels.powers(model, memory, t, &y[..dimension], rates)
         });

@@ -187,6 +187,7 @@ mod tests {
             adams.limit_step(longest);
             let step = adams.step_second_order(&mut dynamics).unwrap();
             dynamics.finish_step(&mut adams, &step).unwrap();
+            dynamics.reach_step_end(&adams, &step, false);
             dynamics.meter_step(&adams, &step);
         }
         dynamics.begin_step(&mut adams);

@@ -113,6 +113,10 @@ impl System for Dynamics {
         self.resume_energy_quadrature(adams);
     }
 
+    fn reach_step_end(&mut self, adams: &Adams, step: &Step, peaks: bool) {
+        self.reach_end_of_step(adams, step, peaks);
+    }
+
     fn meter_step(&mut self, adams: &Adams, step: &Step) {
         self.add_energies_of_step(adams, step);
     }

@@ -34,7 +34,8 @@ use correct::Correct;
 use film::assemble_film_compliance;
 use link_group::{LinkGroup, Linked};
 use links::{Border, LinkTerms, RightHand};
-use power_change::{CorrectedEnds, PowerChange};
+use power_change::CorrectedEnds;
+pub(crate) use power_change::PowerChange;
 use ring::{BASE, HingeBlocks, Ring, hinge_numbers};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};
@@ -43,7 +44,6 @@ use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::Slopes;
 use crate::chain::contact::Candidates;
-use crate::chain::loads::SprocketLoad;
 use crate::chain::model::Model;
 use crate::math::simd::{InstructionSet, Lanes, Numbers, Pack8, PartialSums, WIDTH, read};
 
@@ -206,29 +206,6 @@ impl NewtonMatrix {
     pub(crate) fn changes_of_hinge_forces(&self, hinges: usize) -> [&[f64]; 2] {
         let [x, y] = self.links.hinge_forces();
         [x, y].map(|axis| &axis[BASE - 1..BASE + hinges])
-    }
-
-    /// Return the changes of the powers of hinges and teeth \[W\] with the last correction, whose part on the border is `border`; add those
-    /// of the loads on the sprockets to `loads`. The matrix must still be that of the last evaluation, without friction and rollers.
-    pub(crate) fn power_change(
-        &mut self,
-        model: &Model,
-        evaluated: &Evaluated,
-        (gamma, border): (f64, &[f64]),
-        loads: &mut [SprocketLoad],
-    ) -> [f64; 2] {
-        evaluated.instructions.run(PowerChange {
-            matrix: self,
-            links: model.links,
-            gamma,
-            constants: evaluated.constants,
-            chain: evaluated.chain,
-            candidates: &evaluated.candidates.sprockets,
-            overhang: evaluated.candidates.overhang,
-            poses: evaluated.poses,
-            border,
-            loads,
-        })
     }
 
     /// Add the contacts on all teeth to the bushings' blocks and to the border; eliminate the rollers.

@@ -1,4 +1,4 @@
-//! Change of the powers of the contacts, and of the loads on the sprockets, with the last correction.
+//! Change of the forces and powers of the contacts, and of the loads on the sprockets, with the last correction.
 //!
 //! A step of Newton's method with one correction has its last evaluation at the prediction. A correction Δv changes the penetration rate of a
 //! contact by n·Δv, with the relative velocity of its two points, and its penetration by γ n·Δv. Slopes of force and power are those of
@@ -39,20 +39,20 @@ impl CorrectedEnds {
     }
 }
 
-/// Kernel of [`NewtonMatrix::power_change`]: return the changes of the powers of hinges and teeth \[W\], and add those of the loads on the
-/// sprockets.
-pub(super) struct PowerChange<'a> {
-    pub(super) matrix: &'a mut NewtonMatrix,
-    pub(super) links: usize,
-    pub(super) gamma: f64,
-    pub(super) constants: &'a LinkConstants,
-    pub(super) chain: &'a ChainArrays,
-    pub(super) candidates: &'a [SprocketCandidates],
-    pub(super) overhang: usize,
-    pub(super) poses: &'a [SprocketPose],
+/// Kernel: return the changes of the powers of hinges and teeth \[W\] with the last correction; add those of the forces of hinges and teeth,
+/// and of the loads on the sprockets. The matrix must still be that of the last evaluation, without friction and rollers.
+pub(crate) struct PowerChange<'a> {
+    pub(crate) matrix: &'a mut NewtonMatrix,
+    pub(crate) links: usize,
+    pub(crate) gamma: f64,
+    pub(crate) constants: &'a LinkConstants,
+    pub(crate) chain: &'a mut ChainArrays,
+    pub(crate) candidates: &'a mut [SprocketCandidates],
+    pub(crate) overhang: usize,
+    pub(crate) poses: &'a [SprocketPose],
     /// Corrections of the coordinates on the border.
-    pub(super) border: &'a [f64],
-    pub(super) loads: &'a mut [SprocketLoad],
+    pub(crate) border: &'a [f64],
+    pub(crate) loads: &'a mut [SprocketLoad],
 }
 
 impl WithSimd for PowerChange<'_> {
@@ -77,7 +77,7 @@ impl WithSimd for PowerChange<'_> {
             simd,
             (gamma, &slopes.hinges.normal),
             &self.constants.bushing_on_front,
-            corrected,
+            (corrected, &mut self.chain.force),
         );
         for bushing in &mut corrected.bushings {
             bushing.copy_within(..self.overhang, self.links);
@@ -87,7 +87,7 @@ impl WithSimd for PowerChange<'_> {
             let teeth = ToothPowers {
                 gamma,
                 slopes: &slopes.teeth[s].normal,
-                candidates: &self.candidates[s],
+                candidates: &mut self.candidates[s],
                 pose: &self.poses[s],
                 bushing: &self.chain.bushing,
                 correction: &corrected.bushings,
@@ -116,13 +116,13 @@ fn moved(of: &SprocketMotions, border: &[f64]) -> [f64; 3] {
     moved
 }
 
-/// Return the change of the power of the hinges; write the corrections of the bushings.
+/// Return the change of the power of the hinges; write the corrections of the bushings, and add the changes of the forces.
 #[inline(always)]
 fn hinges<S: Simd>(
     simd: S,
     (gamma, slopes): (f64, &[SlopeGroup]),
     on_front: &[f64],
-    ends: &mut CorrectedEnds,
+    (ends, force): (&mut CorrectedEnds, &mut [f64]),
 ) -> f64 {
     let (gamma, zero) = (Lanes::splat(simd, gamma), Lanes::splat(simd, 0.0));
     let count = slopes.len();
@@ -133,6 +133,7 @@ fn hinges<S: Simd>(
     let on_front = packs(on_front, count);
     let [bushing_x, bushing_y] = &mut ends.bushings;
     let (bushing_x, bushing_y) = (packs_mut(bushing_x, count), packs_mut(bushing_y, count));
+    let force = packs_mut(force, count);
     let mut power = PartialSums::default();
     for number in 0..count {
         let group = &slopes[number];
@@ -153,6 +154,8 @@ fn hinges<S: Simd>(
             let [nx, ny] = read(simd, &group.normal, part);
             let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
             power.add_part(part, power_by(simd, (group, part), gamma, closing));
+            let push = push_by(simd, (group, part), gamma, closing);
+            add_to(simd, &mut force[number], part, push);
         }
     }
     power.total()
@@ -173,11 +176,30 @@ fn power_by<S: Simd>(
     slopes.damping.at(simd, part).mul_add(closing, linear) * closing
 }
 
+/// Return the change of the forces of contacts whose penetration rates change by `closing`.
+#[inline(always)]
+fn push_by<S: Simd>(
+    simd: S,
+    (slopes, part): (&SlopeGroup, usize),
+    gamma: Lanes<S>,
+    closing: Lanes<S>,
+) -> Lanes<S> {
+    let damping = slopes.damping.at(simd, part);
+    gamma.mul_add(slopes.stiffness.at(simd, part), damping) * closing
+}
+
+/// Add a change to forces, which push only.
+#[inline(always)]
+fn add_to<S: Simd>(simd: S, forces: &mut Pack, part: usize, change: Lanes<S>) {
+    let force = (part_of(simd, forces, part) + change).max(Lanes::splat(simd, 0.0));
+    put_part(forces, part, force);
+}
+
 /// Candidates of one sprocket.
 struct ToothPowers<'a> {
     gamma: f64,
     slopes: &'a [SlopeGroup],
-    candidates: &'a SprocketCandidates,
+    candidates: &'a mut SprocketCandidates,
     pose: &'a SprocketPose,
     /// Centres of the bushings \[m\].
     bushing: &'a [Numbers; 2],
@@ -187,14 +209,15 @@ struct ToothPowers<'a> {
 
 impl ToothPowers<'_> {
     /// Return the changes of the power dissipated, the force on the sprocket and its moment for a sprocket with these corrections of its
-    /// velocities.
+    /// velocities; add those of the forces of the contacts.
     #[inline(always)]
-    fn sums<S: Simd>(&self, simd: S, [of_x, of_y, of_spin]: [f64; 3]) -> [f64; 4] {
+    fn sums<S: Simd>(self, simd: S, [of_x, of_y, of_spin]: [f64; 3]) -> [f64; 4] {
         let splat = |value| Lanes::splat(simd, value);
         let (gamma, zero) = (splat(self.gamma), splat(0.0));
         let center = splat_two(simd, self.pose.center);
         let mut sums = [PartialSums::default(); 4];
-        for run in &self.candidates.runs {
+        let SprocketCandidates { runs, force, .. } = self.candidates;
+        for run in runs.iter() {
             let vectors = run.length.div_ceil(S::F64_LANES);
             let groups = run.length.div_ceil(WIDTH);
             let ([x, y], [vx, vy]) = (self.bushing, self.correction);
@@ -207,6 +230,7 @@ impl ToothPowers<'_> {
                 packs(&vy[run.first..], groups),
             );
             let slopes = &self.slopes[run.slot / WIDTH..][..groups];
+            let force = packs_mut(&mut force[run.slot..], groups);
             for number in 0..groups {
                 let group = &slopes[number];
                 for part in parts::<S>() {
@@ -223,8 +247,8 @@ impl ToothPowers<'_> {
                     let vy = splat(of_spin).negate_mul_add(x, at(vy) - splat(of_y));
                     let [nx, ny] = read(simd, &group.normal, part);
                     let closing = nx.mul_add(vx, ny * vy);
-                    let stiffness = group.stiffness.at(simd, part);
-                    let push = gamma.mul_add(stiffness, group.damping.at(simd, part)) * closing;
+                    let push = push_by(simd, (group, part), gamma, closing);
+                    add_to(simd, &mut force[number], part, push);
                     sums[0].add_part(part, power_by(simd, (group, part), gamma, closing));
                     sums[1].add_part(part, push * nx);
                     sums[2].add_part(part, push * ny);

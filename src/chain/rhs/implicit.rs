@@ -2,7 +2,7 @@
 
 use super::{Kernels, on_teeth};
 use crate::chain::model::Model;
-use crate::chain::newton::{Evaluated, NewtonMatrix};
+use crate::chain::newton::{Evaluated, NewtonMatrix, PowerChange};
 
 impl Kernels {
     /// Allocate Newton's matrix.
@@ -51,24 +51,30 @@ impl Kernels {
         }
     }
 
-    /// Change loads and losses of the last evaluation, and motions of the sprockets, to those at (`t`, `y`). There `y` is the evaluated state
-    /// after a correction with γ, whose part on the border is `border`.
-    pub(crate) fn correct_powers(
+    /// Change forces, loads and losses of the last evaluation, and motions of the sprockets, to those at (`t`, `y`). There `y` is the
+    /// evaluated state after a correction with γ, whose part on the border is `border`.
+    pub(crate) fn correct_forces(
         &mut self,
         model: &Model,
         (t, y): (f64, &[f64]),
         (gamma, border): (f64, &[f64]),
     ) {
-        let mut loads = std::mem::take(&mut self.loads);
-        if let Some(mut newton) = self.newton.take() {
-            let evaluated = self.evaluated(&[], false);
-            let [hinges, teeth] =
-                newton.power_change(model, &evaluated, (gamma, border), &mut loads);
-            self.newton = Some(newton);
+        if let Some(newton) = &mut self.newton {
+            let [hinges, teeth] = self.instructions.run(PowerChange {
+                matrix: newton,
+                links: model.links,
+                gamma,
+                constants: &self.links,
+                chain: &mut self.chain,
+                overhang: self.candidates.overhang,
+                candidates: &mut self.candidates.sprockets,
+                poses: &self.poses,
+                border,
+                loads: &mut self.loads,
+            });
             self.losses.hinge_contact += hinges;
             self.losses.tooth_contact += teeth;
         }
-        self.loads = loads;
         self.place_sprockets(model, t, y);
     }
 
