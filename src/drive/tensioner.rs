@@ -120,27 +120,14 @@ impl Tensioner {
 
     /// Return the guide path and pull in `drive`.
     ///
-    /// The pull is the force of a belt of the given tension on the sprocket, at the position of a taut chain. With two sprockets it is
-    /// the force along the line of centres, whatever the direction.
+    /// The pull is the component along the guide path of the force of a belt of the given tension on the sprocket, at the position of a
+    /// taut chain; there, a spring has reduced it to that. With two sprockets, the angles of the strands are those of the described centres.
     ///
     /// # Errors
     /// When the pull does not tighten the chain: the message has the ratio of tension to force.
     pub fn line(&self, drive: &Drive) -> Result<TensionerLine> {
         let number = self.sprocket - 1;
         let center = drive.sprockets[number].center;
-        if let (None, [first, second], None) = (&drive.ends, drive.sprockets.as_slice(), self.pivot)
-        {
-            let between = second.center - first.center;
-            let away = if number == 0 { -between } else { between };
-            let [r1, r2] = [first, second].map(|s| pitch_radius(drive.chain.pitch, s.teeth));
-            let sin = (r1 - r2) / between.norm();
-            return Ok(TensionerLine {
-                direction: self.direction.unwrap_or(away).normalize(),
-                curvature: 0.0,
-                pull: 2.0 * self.pretension * (1.0 - sin * sin).max(0.0).sqrt(),
-                taut_at: Some(0.0),
-            });
-        }
         let line = match drive.ends {
             None => Some(BeltLine::of(drive)?),
             Some(_) => None,
@@ -150,6 +137,26 @@ impl Tensioner {
             line: line.as_ref(),
             number,
         };
+        if let (true, [first, second]) = (self.separates_two_sprockets(drive), &drive.sprockets[..])
+        {
+            let between = second.center - first.center;
+            let away = if number == 0 { -between } else { between };
+            let [r1, r2] = [first, second].map(|s| pitch_radius(drive.chain.pitch, s.teeth));
+            let sin = (r1 - r2) / between.norm();
+            let cos = (1.0 - sin * sin).max(0.0).sqrt();
+            let direction = self.direction.unwrap_or(away).normalize();
+            self.share(direction, 2.0 * cos * away.normalize())?;
+            // The cosine of the direction, from its sine: exactly one along the line of centres.
+            let across = direction.perp(&away) / between.norm();
+            let along = (1.0 - across * across).max(0.0).sqrt();
+            let taut_at = way.closing_place((direction, 0.0));
+            return Ok(TensionerLine {
+                direction,
+                curvature: 0.0,
+                pull: 2.0 * self.pretension * cos * along + self.stiffness * taut_at.unwrap_or(0.0),
+                taut_at,
+            });
+        }
         let against = -way.taut_at(Vec2::zeros()).map_err(Error::Impossible)?.pull;
         let (direction, curvature) = match (self.direction, self.pivot) {
             (_, Some(pivot)) => {
@@ -173,6 +180,28 @@ impl Tensioner {
             (Some(direction), None) => (direction.normalize(), 0.0),
             (None, None) => (against.normalize(), 0.0),
         };
+        let share = self.share(direction, against)?;
+        let taut_at = way.closing_place((direction, curvature));
+        let s = taut_at.unwrap_or(0.0);
+        let tight = way.share_at((direction, curvature), s).unwrap_or(share);
+        Ok(TensionerLine {
+            direction,
+            curvature,
+            pull: tight * self.pretension + self.stiffness * s,
+            taut_at,
+        })
+    }
+
+    /// Return whether the tensioner slides one of two sprockets of a closed chain.
+    pub(crate) fn separates_two_sprockets(&self, drive: &Drive) -> bool {
+        self.pivot.is_none() && drive.ends.is_none() && drive.sprockets.len() == 2
+    }
+
+    /// Return the force along `direction` per unit of tension, where a belt of unit tension exerts the force -`against` on the sprocket.
+    ///
+    /// # Errors
+    /// When the force does not tighten the chain.
+    fn share(&self, direction: Vec2, against: Vec2) -> Result<f64> {
         let share = direction.dot(&against);
         if share < LEAST_SHARE {
             return Err(Error::invalid(
@@ -192,15 +221,7 @@ impl Tensioner {
                 ),
             ));
         }
-        let taut_at = way.closing_place((direction, curvature));
-        let s = taut_at.unwrap_or(0.0);
-        let tight = way.share_at((direction, curvature), s).unwrap_or(share);
-        Ok(TensionerLine {
-            direction,
-            curvature,
-            pull: tight * self.pretension + self.stiffness * s,
-            taut_at,
-        })
+        Ok(share)
     }
 }
 

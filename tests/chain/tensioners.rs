@@ -7,7 +7,8 @@ use crate::common::checks::{is_warned_of, rests_with};
 use crate::common::layouts::{PITCH, three_shafts};
 use crate::common::open::tensions;
 use rustchain::drive::{Drive, SprocketMotion, Tensioner};
-use rustchain::geometry::Vec2;
+use rustchain::geometry::path::wrap::pitch_radius;
+use rustchain::geometry::{Vec2, unit};
 use rustchain::layout::InitialConfiguration;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
@@ -59,6 +60,87 @@ fn every_tensioner_gives_its_strands_the_tension_it_is_asked_for() {
     ] {
         drive.tensioner = Some(tensioner);
         rests_with(80.0, name, tensions_at_rest(&drive));
+    }
+}
+
+/// Return a drive of two sprockets whose second centre is `short` \[m\] nearer to the first one than a taut chain has it.
+fn two_shafts(short: f64, tensioner: Tensioner) -> Drive {
+    let mut drive = common::paper_drive();
+    drive.gravity = Vec2::zeros();
+    drive.sprockets[1].center.x -= short;
+    drive.tensioner = Some(tensioner);
+    drive
+}
+
+#[test]
+fn two_sprockets_have_the_tension_that_is_asked_for_in_any_direction_and_behind_a_spring() {
+    let along = |x: f64, y: f64| Tensioner {
+        direction: Some(Vec2::new(x, y)),
+        ..tensioner(2, 80.0)
+    };
+    let spring = Tensioner {
+        stiffness: 1e4,
+        ..tensioner(2, 80.0)
+    };
+    for (name, short, tensioner) in [
+        ("line of centres", 0.0, tensioner(2, 80.0)),
+        ("steep", 0.0, along(1.0, -0.4)),
+        ("steeper", 0.0, along(1.0, 1.0)),
+        ("spring", 3e-3, spring),
+    ] {
+        let drive = two_shafts(short, tensioner);
+        rests_with(80.0, name, tensions_at_rest(&drive));
+    }
+}
+
+#[test]
+fn the_line_of_centres_as_direction_of_two_sprockets_leaves_the_pull_as_it_is_to_the_bit() {
+    for i in 0..40 {
+        let between = 0.3 * unit(0.161 * f64::from(i));
+        let mut drive = two_shafts(0.0, tensioner(2, 80.0));
+        drive.sprockets[1].teeth = 25;
+        drive.sprockets[1].center = between;
+        let pull = |direction: Option<Vec2>| {
+            let tensioner = Tensioner {
+                direction,
+                ..tensioner(2, 80.0)
+            };
+            tensioner.line(&drive).unwrap().pull
+        };
+        let [r1, r2] = [17, 25].map(|teeth| pitch_radius(PITCH, teeth));
+        let sin = (r1 - r2) / between.norm();
+        let along = 2.0 * 80.0 * (1.0 - sin * sin).sqrt();
+        assert_eq!(pull(None), along);
+        assert_eq!(pull(Some(7.0 * between)), along);
+    }
+}
+
+#[test]
+fn two_sprockets_are_warned_of_a_stop_before_the_slack_is_taken_up() {
+    let stopped = Tensioner {
+        travel: [0.0, 2e-3],
+        ..tensioner(2, 80.0)
+    };
+    is_warned_of(&two_shafts(3e-3, stopped), "can by 2.000 mm");
+}
+
+#[test]
+fn a_direction_that_does_not_move_two_sprockets_apart_is_refused() {
+    for (x, y, takes_up) in [(-1.0, 0.0, "-2.000"), (0.0, 1.0, "0.000")] {
+        let drive = two_shafts(
+            0.0,
+            Tensioner {
+                direction: Some(Vec2::new(x, y)),
+                ..tensioner(2, 80.0)
+            },
+        );
+        let error = InitialConfiguration::generate(&drive)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("Tensioner.direction") && error.contains(takes_up),
+            "{error}"
+        );
     }
 }
 

@@ -13,9 +13,7 @@ class Tensioner(Description):
     Attributes
     ----------
     pretension : float
-        Tension of the strands at rest [N], in the position where the slack is taken up. Two
-        sprockets without a pivot have it along their line of centres and without `stiffness`: the
-        force is that of this case, whatever the direction, and a spring reduces it.
+        Tension of the strands at rest [N], in the position where the slack is taken up.
     sprocket : int
         Number of the sprocket, from 1.
     ramp_time : float

@@ -44,7 +44,7 @@ pub(super) fn held(drive: &Drive, layout: &Layout) -> Drive {
 }
 
 /// Generate the layout with the tensioner at the taut position, or as near to it as a layout exists. A tensioner that starts far from it
-/// would drag the chain around all other sprockets, tooth by tooth.
+/// would drag the chain around all other sprockets, tooth by tooth; of two, the chain is laid round the described centres.
 pub(super) fn lay_taut(
     drive: &Drive,
     give_up: &dyn Fn() -> bool,
@@ -64,7 +64,11 @@ pub(super) fn lay_taut(
             InitialConfiguration::generate_unless(&there, give_up).ok()
         })
     };
-    match drive.tensioner.as_ref().and_then(taut) {
+    let tensioner = drive.tensioner.as_ref();
+    match tensioner
+        .filter(|tensioner| !tensioner.separates_two_sprockets(drive))
+        .and_then(taut)
+    {
         Some(laid) => Ok(laid),
         None => InitialConfiguration::generate_unless(drive, give_up),
     }

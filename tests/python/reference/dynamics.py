@@ -272,8 +272,8 @@ class DriveEquations:
     def _tensioner(self) -> tuple[Array, float]:
         """Direction in which the tensioned sprocket slides, shape (2,), and the full pull [N].
 
-        The pull is the strand pretension's part along the line of centres, on both strands: the
-        straight strands make the angle asin((r_2 - r_1) / C) with it.
+        The pull is the strand pretension's part along the direction, on both strands: the straight
+        strands make the angle asin((r_2 - r_1) / C) with the line of centres.
         """
         tensioner = self.drive.tensioner
         if tensioner is None:
@@ -285,8 +285,9 @@ class DriveEquations:
         direction = away if tensioner.direction is None else np.asarray(tensioner.direction)
         radii = [pitch_radius(self.pitch, sprocket.teeth) for sprocket in self.drive.sprockets]
         sine = (radii[1] - radii[0]) / distance
-        pull = 2.0 * tensioner.pretension * np.sqrt(1.0 - sine**2)
-        return direction / np.hypot(*direction), float(pull)
+        direction = direction / np.hypot(*direction)
+        pull = 2.0 * tensioner.pretension * np.sqrt(1.0 - sine**2) * (direction @ away) / distance
+        return direction, float(pull)
 
     def kinematics(self, positions: Array, velocities: Array) -> Kinematics:
         """Penetrations, rates and normals of all pairs in a state; both arrays (bodies, 3)."""
