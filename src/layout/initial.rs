@@ -42,15 +42,16 @@ impl InitialConfiguration {
     }
 
     fn lay_round(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Self, Layout)> {
+        let centered = Self::lay(drive, give_up)?;
         if (drive.sprockets.iter()).all(|sprocket| sprocket.faults.eccentricity == 0.0) {
-            return Self::lay(drive, give_up);
+            return Ok(centered);
         }
         // The positions of eccentric teeth depend on the angles of the layout, which jump where another layout becomes
         // the better one. Rotated by a gap, the wheels jump at other positions.
         let gaps = drive.sprockets.iter().map(|s| s.teeth).min().unwrap_or(1);
         let mut why = None;
         for turned in (0..gaps.min(MOST_TURNS)).map(f64::from) {
-            match Self::lay_eccentric(drive, turned, give_up) {
+            match Self::lay_eccentric(drive, centered.clone(), turned, give_up) {
                 Ok(Some(laid)) => return Ok(laid),
                 Ok(None) => {}
                 Err(error) if give_up() => return Err(error),
@@ -71,17 +72,23 @@ impl InitialConfiguration {
         }))
     }
 
-    /// Lay the chain of `drive` round eccentric teeth, all wheels rotated by this number of gaps; `None` without convergence.
+    /// Lay the chain of `drive` round eccentric teeth, from that round centered ones, all wheels rotated by this number of gaps; `None`
+    /// without convergence.
     fn lay_eccentric(
         drive: &Drive,
+        laid: (Self, Layout),
         turned: f64,
         give_up: &dyn Fn() -> bool,
     ) -> Result<Option<(Self, Layout)>> {
         let gap = |i: usize| TAU / f64::from(drive.sprockets[i].teeth);
         let mut centered = drive.clone();
         let mut before: Option<Vec<f64>> = None;
+        let mut first = Some(laid);
         for _ in 0..MOST_ROUNDS {
-            let (mut start, mut layout) = Self::lay(&centered, give_up)?;
+            let (mut start, mut layout) = match first.take() {
+                Some(laid) => laid,
+                None => Self::lay(&centered, give_up)?,
+            };
             for (i, phase) in layout.phase.iter_mut().enumerate() {
                 // The same gap in every iteration.
                 let near = before.as_ref().map_or(turned * gap(i), |phase| phase[i]);

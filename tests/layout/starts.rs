@@ -1,11 +1,12 @@
 //! Where drives begin: eccentric teeth, slack that a tensioner takes up under load, and velocities of a start at rest.
 
 use crate::common;
+use std::cell::Cell;
 use std::sync::Arc;
 
-use crate::common::layouts::three_shafts;
-use rustchain::drive::{Drive, SprocketMotion, Tensioner};
-use rustchain::geometry::Vec2;
+use crate::common::layouts::{PITCH, three_shafts};
+use rustchain::drive::{Drive, SprocketMotion, StraightTooth, Tensioner, ToothForm};
+use rustchain::geometry::{Seat, Vec2};
 use rustchain::layout::InitialConfiguration;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
@@ -50,6 +51,57 @@ fn eccentric_teeth_are_laid_whatever_their_angle() {
         "{} refused: {refused:#?}",
         refused.len()
     );
+}
+
+/// Return how often a search that is refused has asked whether to give up: once for each layout that it tries.
+fn tried(is_refused: impl Fn(&dyn Fn() -> bool) -> bool) -> u32 {
+    let asked = Cell::new(0);
+    let refused = is_refused(&|| {
+        asked.set(asked.get() + 1);
+        false
+    });
+    assert!(refused);
+    asked.get()
+}
+
+#[test]
+fn a_chain_that_is_refused_round_centered_teeth_is_searched_once_for_eccentric_ones() {
+    let mut drive = three_shafts();
+    drive.chain.links += 60;
+    let tried = |drive: &Drive| {
+        tried(|give_up| InitialConfiguration::generate_unless(drive, give_up).is_err())
+    };
+    let centered = tried(&drive);
+    assert!(centered > 100, "{centered}");
+    drive.sprockets[2].faults.eccentricity = 1e-4;
+    assert_eq!(tried(&drive), centered);
+}
+
+#[test]
+fn a_chain_that_fits_no_teeth_is_refused_soon_however_far_a_tensioner_would_move() {
+    let mut drive = three_shafts();
+    drive.chain.links += 16;
+    let blunt = StraightTooth {
+        flank_angle: 0.05,
+        seat_radius: None,
+        seat: Seat::BottomDiameter,
+        roller_diameter: None,
+        tip_diameter: None,
+        edge_radius: None,
+    };
+    drive.sprockets[1].profile = ToothForm::Straight(blunt);
+    let laid = |give_up: &dyn Fn() -> bool| {
+        InitialConfiguration::generate_unless(&drive, give_up).is_err()
+    };
+    let once = tried(laid);
+    let mut tensioned = drive.clone();
+    tensioned.tensioner = Some(tensioner(4, 80.0));
+    let far = tensioned.tensioner.unwrap().line(&tensioned).unwrap();
+    assert!(far.taut_at.unwrap() > 4.0 * PITCH, "{far:?}");
+    let at_rest = tried(|give_up| {
+        Equilibrium::find_unless(&tensioned, &ForceLaws::default(), give_up).is_err()
+    });
+    assert!(at_rest < 30 * once, "{at_rest} of {once}");
 }
 
 /// A drive of four sprockets with a load and an arm, or a slide, that has slack to take up.
