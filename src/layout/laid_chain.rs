@@ -97,17 +97,24 @@ impl Lie<'_> {
                 1e6 * clearance
             ));
         }
-        let (gap, [before, behind]) = (self.smallest_gap(), where_and_remedy);
+        let ((gap, sprocket), [before, behind]) = (self.nearest_tooth(), where_and_remedy);
         (gap < LEAST_GAP).then(|| {
             format!(
-                "{before}a bushing would start {:.3} um off a tooth (negative: inside){behind}",
-                1e6 * gap
+                "{before}a bushing would start {:.3} um {} a tooth of sprocket {}{behind}",
+                1e6 * gap.abs(),
+                if gap < 0.0 { "inside" } else { "off" },
+                sprocket + 1
             )
         })
     }
 
     /// Return the smallest distance of a bushing from a tooth \[m\]; infinite where none is near.
     pub(super) fn smallest_gap(&self) -> f64 {
+        self.nearest_tooth().0
+    }
+
+    /// Return the smallest distance of a bushing from a tooth \[m\] and the sprocket of that tooth, from 0.
+    fn nearest_tooth(&self) -> (f64, usize) {
         let radius = self.chain.contact_radius();
         let bushings: Vec<Vec2> = self
             .link_ends()
@@ -115,8 +122,8 @@ impl Lie<'_> {
             .step_by(2) // the inner links
             .flat_map(|(rear, front)| [rear, front])
             .collect();
-        let mut gap = f64::INFINITY;
-        for &(center, first_seat, profile) in &self.sprockets {
+        let mut nearest_tooth = (f64::INFINITY, 0);
+        for (i, &(center, first_seat, profile)) in self.sprockets.iter().enumerate() {
             for bushing in &bushings {
                 let offset = bushing - center;
                 if offset.norm() >= profile.reach(radius) {
@@ -129,9 +136,12 @@ impl Lie<'_> {
                     offset.x * middle.y - offset.y * middle.x,
                     offset.dot(&middle) - profile.seat_center_radius,
                 );
-                gap = gap.min(-profile.contact(point, radius).penetration);
+                let gap = -profile.contact(point, radius).penetration;
+                if gap < nearest_tooth.0 {
+                    nearest_tooth = (gap, i);
+                }
             }
         }
-        gap
+        nearest_tooth
     }
 }

@@ -192,7 +192,7 @@ impl<'a> Around<'a> {
     fn refuse<T>(&self, why: &str) -> Result<T> {
         let chain = &self.drive.chain;
         Err(Error::Impossible(format!(
-            "the chain has no initial configuration: {} links, where a taut chain has {:.3} pitches: {why}; these centres {}",
+            "the chain has no initial configuration: Chain.links = {}, where a taut chain has {:.3} pitches: {why}; {}",
             chain.links,
             self.line.pitches(self.drive),
             remedy(chain, self.links_that_close())

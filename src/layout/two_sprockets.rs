@@ -130,7 +130,7 @@ impl<'a> TwoSprocketDrive<'a> {
         let needed = wrap::belt_length(pitch, self.teeth(), self.center_distance);
         let refuse = |why: String| {
             Err(Error::Impossible(format!(
-                "the chain has no initial configuration: {} links at a centre distance of {:.6} m, where a taut chain has \
+                "the chain has no initial configuration: Chain.links = {} at a centre distance of {:.6} m, where a taut chain has \
                  {needed:.3} pitches: \
                  {why}{}",
                 chain.links,

@@ -286,7 +286,7 @@ def test_a_spread_too_large_for_a_taut_chain_is_refused_and_fits_a_slack_one():
     chain = replace(PAPER, links=60, pitch_spread=2e-3, seed=4)
     drive = rc.two_sprocket_drive(chain=chain, teeth=(17, 25))
     error = refusal(lambda: drive)
-    assert "um off a tooth" in str(error) or "would open" in str(error)
+    assert "a tooth of sprocket" in str(error) or "would open" in str(error)
     slack = shifted(replace(drive, chain=replace(chain, pitch_spread=4e-4)), -5e-4)
     assert np.max(rc.Simulation(slack).evaluate().tooth_penetration) < 0.0
     assert np.max(hinge_openings(slack, rc.Simulation(slack).positions)) < 2.3e-5

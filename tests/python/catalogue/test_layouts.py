@@ -83,6 +83,24 @@ def test_a_moved_centre_makes_the_chain_taut(adjust):
     assert report.hinge_stretch < 1e-6
 
 
+def test_links_that_meet_the_teeth_are_refused_with_sprocket_value_and_remedies():
+    blunt = rc.StraightTooth(0.1)  # [rad]: no room for a bushing that leaves along the strand
+    sprockets = [
+        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(5.0)),
+        rc.Sprocket(25, (0.4, 0.0), profile=blunt),
+        rc.Sprocket(13, (0.2, 0.3)),
+    ]
+    drive = rc.chain_drive("ANSI 40", sprockets, adjust=1)
+    said = (
+        r"Chain\.links = 108, .* a bushing would start [\d.]+ um inside a tooth of sprocket 2; .* "
+        r"take 110 links \(Chain\.links\), move .*\(Sprocket\.center\), .*\(Sprocket\.profile\)"
+    )
+    with pytest.raises(rc.InvalidInput, match=said):
+        drive.check()
+    wider = replace(sprockets[1], profile=rc.StraightTooth(0.2))
+    rc.chain_drive("ANSI 40", [sprockets[0], wider, sprockets[2]], adjust=1).check()
+
+
 def test_a_given_number_of_links_is_met_by_the_sprocket_that_moves():
     more = four_sprockets(links=104, adjust=2, direction=(1.0, 0.0))
     less = four_sprockets(links=100, adjust=2, direction=(1.0, 0.0))
@@ -195,7 +213,7 @@ def test_a_chain_whose_links_press_into_teeth_is_not_told_to_take_as_many():
     links = four_sprockets().chain.links
     chain = replace(rc.catalogue_chain("ANSI 40", links), pitch_spread=5e-3)
     drive = rc.chain_drive(chain, four_sprockets().sprockets)
-    with pytest.raises(rc.InvalidInput, match="smaller pitch_spread or elongation") as caught:
+    with pytest.raises(rc.InvalidInput, match=r"Chain\.pitch_spread or Chain\.e") as caught:
         drive.check()
     assert f"take {drive.chain.links} links" not in str(caught.value)
 
