@@ -3,7 +3,7 @@
 use super::configuration::InitialConfiguration;
 use super::laid_chain::{Lie, START_GAPS};
 use super::report::{GuidePlacement, Layout};
-use crate::drive::{Drive, Mount, Rail};
+use crate::drive::{Drive, Mount, Rail, RailShape};
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
@@ -42,30 +42,22 @@ impl InitialConfiguration {
                 .smallest_gap()
             };
             check_beside_sprockets(drive, number, (middle(rail.angle()), rail.angle()))?;
-            let angle = clear_angle(rail, gap).ok_or_else(|| {
-                let inside = -1e3 * gap(rail.angle());
-                // Avoids a negative zero in the message.
-                let back = |along: f64| (-1e4 * along).round() / 1e4 + 0.0;
-                Error::Impossible(format!(
-                    "guide {} overlaps the chain of the initial configuration by {inside:.3} mm: move it back, out of its face's \
-                     direction ({:.4}, \
-                     {:.4}), or put it on an arm, which is swung clear",
-                    number + 1,
-                    back(rail.direction.x),
-                    back(rail.direction.y)
-                ))
-            })?;
+            let angle =
+                clear_angle(rail, gap).ok_or_else(|| overlap(number, rail, -gap(rail.angle())))?;
             let turn = angle - rail.angle();
             let mut travel = [0.0; 2];
             if let Mount::Arm(arm) = rail.mount {
                 let out = turn * rail.lever(&arm);
                 if -out > arm.travel[0] {
+                    // Rounded up, so that the proposed number is enough.
                     return Err(Error::Impossible(format!(
-                        "guide {}: for its arm to start clear of the chain, its plunger would have to go back by {:.3} mm, past \
-                         its stop at {:.3} mm (GuideArm.travel): move it back, out of its face's direction, or let it go back farther",
+                        "guide {}: its plunger must start {:.3} mm back for the arm to be clear of the chain, past its stop at {:.3} \
+                         mm; give GuideArm.travel a first number of at least {:.6} m, or {}",
                         number + 1,
                         -1e3 * out,
-                        1e3 * arm.travel[0]
+                        1e3 * arm.travel[0],
+                        (-1e6 * out).ceil() / 1e6,
+                        move_back(rail)
                     )));
                 }
                 travel = [arm.travel[0] + out, arm.travel[1] - out];
@@ -118,6 +110,38 @@ impl InitialConfiguration {
         }
         (0..n).map(between).collect()
     }
+}
+
+/// Return the error of a guide that overlaps the chain by `inside` \[m\] at its described position, and at every position of its arm.
+fn overlap(number: usize, rail: &Rail, inside: f64) -> Error {
+    let (cause, remedy) = match (rail.shape, rail.mount) {
+        (RailShape::Wheel { .. }, _) => ("", ""),
+        (RailShape::Bar { .. }, Mount::Arm(_)) => (", and no rotation of its arm clears it", ""),
+        (RailShape::Bar { .. }, _) => (
+            "",
+            ", or give it a GuideRail.arm, which starts rotated clear of the chain",
+        ),
+    };
+    Error::Impossible(format!(
+        "guide {} overlaps the chain of the initial configuration by {:.3} mm{cause}; {} by that or more{remedy}",
+        number + 1,
+        1e3 * inside,
+        move_back(rail)
+    ))
+}
+
+/// Return the remedy that moves a guide away from the chain.
+fn move_back(rail: &Rail) -> String {
+    let [x, y]: [f64; 2] = rail.center.into();
+    let (kind, back) = match rail.shape {
+        RailShape::Bar { .. } => {
+            let [x, y]: [f64; 2] = rail.direction.into();
+            let back = format!("against GuideRail.direction = ({x}, {y})");
+            ("GuideRail", back)
+        }
+        RailShape::Wheel { .. } => ("SmoothIdler", "away from the chain".to_string()),
+    };
+    format!("move {kind}.center = ({x}, {y}) m {back}")
 }
 
 /// Check that a guide, with its middle and its angle, does not penetrate the body of a sprocket below the seats of its teeth.

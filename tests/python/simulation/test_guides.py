@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -112,10 +113,27 @@ def test_a_guide_that_cannot_be_is_refused_by_name(field):
 
 def test_a_rail_in_the_chain_is_refused_with_how_far():
     rail = rc.GuideRail(center=(0.136, 0.04), direction=(0.0, -1.0), length=0.1)
-    with pytest.raises(
-        ValueError, match=r"guide 1 overlaps the chain of the initial configuration by \d"
-    ):
+    with pytest.raises(rc.InvalidInput) as refused:
         replace(guided(), guides=[rail]).check()
+    said = re.fullmatch(
+        r"guide 1 overlaps the chain of the initial configuration by ([\d.]+) mm; move "
+        r"GuideRail\.center = \(0\.136, 0\.04\) m against GuideRail\.direction = \(0, -1\) by that "
+        r"or more, or give it a GuideRail\.arm, .*",
+        str(refused.value),
+    )
+    assert said, refused.value
+    back = 0.04 + 1e-3 * float(said[1])
+    replace(guided(), guides=[replace(rail, center=(0.136, back + 1e-5))]).check()
+
+
+def test_a_blade_and_an_idler_in_the_chain_are_refused_with_fields_of_their_own():
+    arm = rc.GuideArm(pivot=(0.12, -0.052), force=40.0)  # in the strand, and the rail about it
+    blade = replace(guided().guides[0], center=(0.136, -0.052), arm=arm)
+    with pytest.raises(rc.InvalidInput, match="no rotation of its arm clears it; move GuideRail"):
+        replace(guided(), guides=[blade]).check()
+    idler = rc.SmoothIdler(0.01, (0.136, 0.04))
+    with pytest.raises(rc.InvalidInput, match=r"move SmoothIdler\.center = .* away from the chain"):
+        replace(guided(), guides=[idler]).check()
 
 
 def test_mechanisms_take_no_guides():
@@ -139,7 +157,13 @@ def test_an_arm_is_not_swung_back_past_its_stop():
     drive = guided()
     blade = drive.guides[0]
     tight = replace(blade, center=(0.136, -0.062), arm=replace(blade.arm, travel=(1e-3, 0.1)))
-    with pytest.raises(rc.InvalidInput, match=r"guide 1: .* past its stop at 1\.000 mm"):
+    said = (
+        r"guide 1: .* past its stop at 1\.000 mm; give GuideArm\.travel a first number of at least "
+    )
+    with pytest.raises(rc.InvalidInput, match=said) as refused:
         rc.Simulation(replace(drive, guides=[tight]))
-    loose = replace(tight, arm=replace(blade.arm, travel=(0.1, 0.1)))
+    number = re.search(said + r"([\d.]+) m, or move GuideRail\.center", str(refused.value))
+    assert number
+    back = float(number[1])
+    loose = replace(tight, arm=replace(blade.arm, travel=(back, 0.1)))
     rc.Simulation(replace(drive, guides=[loose]))
