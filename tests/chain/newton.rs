@@ -117,7 +117,7 @@ fn forces_and_powers_after_a_correction_need_no_evaluation() {
         // Sums of squares over several states: in a single one the change may be small by chance.
         let mut squares = [[0.0; 5]; 2];
         for state in 1..=8 {
-            common::advance(&mut run, 8e-3 + 5e-5 * f64::from(state));
+            common::advance(&mut run, 9e-3 + 5e-5 * f64::from(state));
             for (squares, gamma) in squares.iter_mut().zip(gammas) {
                 let found = errors_of_corrected_forces(&run, gamma, 0.01);
                 for (square, found) in squares.iter_mut().zip(found) {

@@ -257,3 +257,17 @@ fn an_arm_with_spring_leak_and_inertia_keeps_the_energy_balance() {
     let moved = (Vec2::new(motion.x[body], motion.y[body]) - drive.sprockets[3].center).norm();
     assert!(moved > 1e-4);
 }
+
+#[test]
+fn a_step_ends_where_the_ramp_of_a_tensioner_ends() {
+    let mut drive = common::paper_drive();
+    drive.tensioner = Some(Tensioner {
+        ramp_time: 1.3e-3,
+        ..tensioner(2, 80.0)
+    });
+    let laws = ForceLaws::default();
+    let (start, _) = InitialConfiguration::generate(&drive).unwrap();
+    let model = Model::compile(&drive, &laws, &start).unwrap();
+    assert_eq!(model.next_kink(0.0), 1.3e-3);
+    assert_eq!(model.next_kink(1.3e-3), f64::INFINITY);
+}

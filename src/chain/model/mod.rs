@@ -187,13 +187,17 @@ impl Model {
         of_sprockets.chain(self.ends.iter().flat_map(OpenEnds::signals))
     }
 
-    /// Return the time of the first knot of any signal after `t` \[s\]; infinite without one.
+    /// Return the time of the first knot of any signal, or end of a tensioner's ramp, after `t` \[s\]; infinite without one.
     ///
-    /// A derivative is discontinuous at a knot: steps end there.
+    /// A derivative is discontinuous there: steps end there.
     #[must_use]
     pub fn next_kink(&self, t: f64) -> f64 {
         let knots = self.signals().map(|signal| signal.next_knot(t));
-        knots.fold(f64::INFINITY, f64::min)
+        let ramps = self.sprockets.iter().filter_map(|s| match s.support {
+            Support::Slide { ramp_time, .. } if ramp_time > t => Some(ramp_time),
+            _ => None,
+        });
+        knots.chain(ramps).fold(f64::INFINITY, f64::min)
     }
 
     /// Return the longest step from `t` that resolves the variation of speeds and torques between their knots \[s\].
