@@ -6,10 +6,12 @@ import functools
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from typing import Any, TypeAlias, get_type_hints
 
 from rustchain import _rustchain
+from rustchain.analysis.jumps import jumps_within
 from rustchain.arguments import shown
 from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput, NotRecorded
@@ -68,7 +70,11 @@ class Figures:
     def __call__(self, result: Result) -> dict[str, float]:
         """Return the figures of a run."""
         found = result.summary(start=self.burn_in)
+        jumps = jumps_within(result, self.burn_in)
+        jumped = jumps is not None and len(jumps[0]) > 0
         for name in self.names:
+            if jumped and name.startswith(("efficiency", "transmission_error_")):
+                found.setdefault(name, nan)  # not of a chain that jumps; the others are kept
             if name not in found:
                 msg = f"measure: {shown(name)} is no figure of this run; {suggest(name, found)}"
                 raise NotRecorded(msg)

@@ -318,6 +318,17 @@ def test_each_figure_of_a_summary_is_known_before_a_run():
         check_figures(measure, rc.Simulation(system).scene, ())
 
 
+def test_named_figures_of_a_run_with_tooth_jumps_are_kept_but_for_those_of_a_seated_chain():
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, torque=-1.0, pretension=50.0)
+    result = rc.Simulation(drive).run(2e-3, progress=False)
+    measure = measure_of(["tension_upper", "efficiency", "transmission_error_2"], 0.0, Path())
+    seated = measure(result)
+    at = tuple(np.array([value]) for value in (1e-3, 2, -1))
+    found = measure(replace(result, jumps=at))
+    assert found["tension_upper"] == seated["tension_upper"]
+    assert np.isnan([found["efficiency"], found["transmission_error_2"]]).all()
+
+
 def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path):
     (tmp_path / "bad.toml").write_text('drive = "non.toml"\nmesure = 3\n[axes]\nrtol = 1\n')
     lines = rustchain("sweep", "bad.toml").output.splitlines()
