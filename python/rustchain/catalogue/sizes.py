@@ -218,6 +218,11 @@ class ChainSize:
                 shown = f"{1e3 * value:10.3f} mm"
             label = each.name.replace("_", " ")
             lines.append(f"  {label:<22}{shown:<17}{self.sources[each.name]}")
+        for strands in (2, 3):
+            if (load := self.breaking_load(strands)) is not None:
+                label, shown = f"strength, {strands} strands", f"{1e-3 * load:10.3f} kN"
+                source = "derived" if self.name.startswith("ANSI") else "typical"
+                lines.append(f"  {label:<22}{shown:<17}{source}")
         for label, part in zip(("inner link", "outer link"), self.links(), strict=True):
             shown = f"{1e3 * part.mass:10.3f} g, {1e6 * part.inertia:.4g}e-6 kg m^2"
             lines.append(f"  {label:<22}{shown}  derived")

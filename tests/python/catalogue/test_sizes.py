@@ -126,11 +126,14 @@ def test_the_table_of_a_size_has_each_number_in_its_unit():
     assert table["pitch"] == ["12.700", "mm", "standard"]
     assert table["mass per length"] == ["0.610", "kg/m", "makers"]
     assert table["strength"] == ["13.901", "kN", "standard"]
+    assert table["strength, 2 strands"] == ["27.801", "kN", "derived"]
     assert table["inner link"][:2] == ["8.894", "g,"]
     assert table["inner plates, both"] == ["36.774", "mm^2", "derived"]
     assert table["outer plates, both"] == ["31.742", "mm^2", "derived"]
     assert table["roller bore diameter"] == ["5.696", "mm", "derived"]
     assert "standard" not in table  # no number, but the name of the table's source
+    assert "strength, 2 strands       31.100 kN    typical" in str(rc.chain_sizes()["ISO 08B"])
+    assert "2 strands" not in str(rc.chain_sizes()["ISO 32B"])  # not known
 
 
 def test_names_of_both_standards_and_of_makers_are_those_of_a_size():
