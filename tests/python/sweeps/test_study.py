@@ -11,6 +11,7 @@ from scipy import stats
 
 import rustchain as rc
 from rustchain.plot import draw_loss_map
+from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.study import StudyResult
 
@@ -233,6 +234,12 @@ def test_what_has_no_mean_is_refused(measured, text):
         study = rc.study(rc.paper_drive(), lambda _: measured, **BRIEF)
     with pytest.raises(rc.NotRecorded, match=text):
         study.to_pandas()
+
+
+def test_a_value_that_is_no_number_is_refused_without_mention_of_a_mean():
+    """A sweep with a store refuses it, too."""
+    with pytest.raises(rc.InvalidInput, match=r"an array of numbers or a dict of them$"):
+        numbers_of("text", ())
 
 
 @pytest.mark.parametrize("name", ["run", "statistic"])
