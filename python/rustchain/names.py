@@ -22,15 +22,20 @@ _Class = TypeVar("_Class", bound=type)
 def suggest(word: object, known: Iterable[str], main: Iterable[str] | None = None) -> str:
     """Return ``did you mean 'x'?``, or the known names (of many, the `main` ones)."""
     names = list(known)
-    folded = {name.casefold(): name for name in names}
-    near = get_close_matches(word.casefold(), folded, n=1) if isinstance(word, str) else []
-    if near:
-        return f"did you mean {folded[near[0]]!r}?"
+    if (near := nearest_name(word, names)) is not None:
+        return f"did you mean {near!r}?"
     listed = list(map(repr, names if main is None else main))
     kept = listed[: max(_FEWEST, sum(length <= _LONGEST for length in _lengths(listed)))]
     if not kept:
         return "there is none"
     return f"known: {', '.join(kept)}{', ...' if len(kept) < len(listed) else ''}"
+
+
+def nearest_name(word: object, known: Iterable[str]) -> str | None:
+    """Return the known name that is spelt most like `word`; None where none is near."""
+    folded = {name.casefold(): name for name in known}
+    near = get_close_matches(word.casefold(), folded, n=1) if isinstance(word, str) else []
+    return folded[near[0]] if near else None
 
 
 def counted(number: int, plural: str) -> str:

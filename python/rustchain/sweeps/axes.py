@@ -74,12 +74,11 @@ def check_names(
         )
         raise InvalidInput(msg) from error
     known = [*own, *parameter_names(system, run)]
-    example = "chain.pitch" if "chain.pitch" in known else "bodies.1.mass"
     names = dict.fromkeys(str(name) for case in cases for name in case)
     for name in names:
         near = None
         if not (takes_all or _in_scene(name)) and general(name) not in known:
-            near = nearest(name, known, example)
+            near = nearest(name, known)
         elif not _is_function(system) and not any(name.startswith(f"{each}.") for each in names):
             near = missing_part(scene_of(system).system, _kind_of(system), name.split("."))
         if near is not None:

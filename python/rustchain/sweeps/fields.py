@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from types import UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
-from rustchain.names import suggest
+from rustchain.names import nearest_name, suggest
 
 _NUMBER = re.compile(r"(?<=\.)\d+(?=[.']|$)")
 
@@ -25,22 +25,41 @@ def field_names(kind: type) -> tuple[str, ...]:
     return tuple(_paths(kind))
 
 
-def nearest(name: str, known: Sequence[str], example: str) -> str:
-    """Return which of the `known` names an unknown one may mean, with its own numbers."""
+def nearest(name: str, known: Sequence[str]) -> str:
+    """Return which of the `known` names an unknown one may mean, with its own numbers.
+
+    Each part of it is compared with the fields that exist at its place.
+    """
     if re.search(r"\[\d+\]", name):
         dotted = re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) + 1}", name)
         return f"parts are numbered from 1 behind a dot: {dotted!r}"
-    tails = (name.split(".", k)[-1] for k in range(1, name.count(".") + 1))
-    of_ends = [path for path in known if path.endswith(f".{name}")]
-    ends = [tail for tail in tails if tail in known] or of_ends
-    if ends:
-        return f"did you mean {ends[0]!r}?"
-    main = [each for each in known if "." not in each] + [example, "..."]
-    found = suggest(general(name), known, main)
-    if "did you mean" not in found:
-        return found
-    numbers = iter(number for number in _NUMBER.findall(name) if int(number) > 0)
-    return _NUMBER.sub(lambda _: next(numbers, "1"), found)
+    heads = name.split(".")
+    shown = ""  # with a dot at its end, as `place`, which has 1 in place of its numbers
+    for k, head in enumerate(heads):
+        place, rest = general(shown), ".".join(heads[k:])
+        paths = (path.removeprefix(place) for path in known if path.startswith(place))
+        inside = sorted(paths, key=lambda path: path.count("."))
+        if not inside:
+            break
+        if general(f".{head}")[1:] in inside and head.strip("0"):
+            shown += f"{head}."
+            continue
+        tail = general(f".{rest}")
+        skipped = next((path for path in inside if path.endswith(tail)), None)
+        if skipped is not None:  # parts before it are missing
+            return f"did you mean {shown + skipped.removesuffix(tail[1:]) + rest!r}?"
+        if head == rest:
+            candidates = {path.split(".")[-1]: path for path in reversed(inside)}
+        else:  # parts that have parts
+            candidates = {path.split(".")[0]: path.split(".")[0] for path in inside if "." in path}
+        near = "1" if "1" in inside else nearest_name(head, candidates)
+        if near is None:
+            ends = [name.split(".", n)[-1] for n in range(1, len(heads))]
+            if k == 0 and (end := next((e for e in ends if general(e) in known), None)):
+                return f"did you mean {end!r}?"
+            return suggest(None, [shown + path for path in inside if "." not in path])
+        shown += f"{candidates[near]}."
+    return f"did you mean {shown[:-1]!r}?"
 
 
 def missing_part(part: object, name: str, path: Sequence[str]) -> str | None:
