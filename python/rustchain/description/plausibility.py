@@ -8,6 +8,7 @@ from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rustchain.arguments import finite_number
+from rustchain.description.signals import Signal, Sines, SmoothStep
 
 if TYPE_CHECKING:
     from rustchain.description.chain import Chain
@@ -78,6 +79,8 @@ _WIDEST = 10.0
 _LARGEST_ANGLE = 4.0 * math.pi
 # Speed of the fastest rotors, 300 000 revolutions a minute [rad/s].
 _FASTEST = 3.2e4
+# Speed of the fastest roller chains [m/s]; 17 teeth of 12.7 mm at 1500 rad/s have 52.
+_FASTEST_CHAIN = 50.0
 # Mass of a link over the cube of its pitch [kg/m^3]: roller chains have 4e3, 4e6 with grams.
 _DENSEST = 2e5
 # What turns with a sprocket, as a mass on the chain at its pitch radius [kg].
@@ -121,7 +124,7 @@ def _outside(usual: _Range, given: Any, where: str) -> Iterator[str]:  # noqa: A
 
 
 def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
-    """Tell of places far from each other, and of what turns with the sprockets."""
+    """Tell of places far from each other, of speeds, and of what turns with the sprockets."""
     parts = {"sprocket": drive.sprockets, "guide": drive.guides, "end": drive.ends or ()}
     places = [
         (f"{name} of {part} {number}", getattr(each, name))
@@ -143,6 +146,25 @@ def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
                 f"pitch radius that is {mass:.4g} kg on the chain; give it in kg m^2, 1e-6 of "
                 "kg mm^2"
             )
+        speeds = {"motion.speed": _largest(getattr(sprocket.motion, "speed", 0.0))}
+        speeds["initial_speed"] = abs(sprocket.initial_speed or 0.0)
+        for name, speed in speeds.items():
+            if radius * speed > _FASTEST_CHAIN:
+                yield (
+                    f"{name} of sprocket {number} = {speed:.4g} rad/s: moves the chain at "
+                    f"{radius * speed:.4g} m/s, roller chains run below {_FASTEST_CHAIN:g} m/s; "
+                    "convert rev/min by rustchain.rpm"
+                )
+
+
+def _largest(signal: Signal) -> float:
+    """Return the largest absolute value of a signal, of a spline at its rows."""
+    if isinstance(signal, Sines):
+        return abs(signal.offset) + sum(abs(amplitude) for amplitude, *_ in signal.terms)
+    if isinstance(signal, SmoothStep):
+        return max(abs(signal.before), abs(signal.after))
+    rows = getattr(signal, "rows", signal)
+    return max(abs(value) for _, value in rows) if isinstance(rows, tuple) else abs(rows)
 
 
 def _chain(chain: Chain, prefix: str, of: str) -> Iterator[str]:

@@ -73,6 +73,34 @@ def test_a_pitch_in_millimetres_is_told():
     assert [text for text in told if "chain.pitch = 12.7 m: lengths are in metres" in text]
 
 
+def told_of_speeds(drive):
+    return [text for text in drive.check().warnings if " m/s" in text and "rpm" in text]
+
+
+@pytest.mark.parametrize(
+    "speed",
+    [
+        -1500.0,
+        [(0.0, 0.0), (0.5, 1500.0)],
+        rc.Spline([(0.0, 0.0), (0.5, 1500.0)]),
+        rc.Sines([(100.0, 25.0, 0.0)], offset=-1400.0),
+        rc.SmoothStep(0.1, 0.2, before=0.0, after=1500.0),
+    ],
+)
+def test_a_speed_in_revolutions_per_minute_is_told(speed):
+    driver, driven = DRIVE.sprockets
+    fast = replace(driver, motion=rc.PrescribedSpeed(speed))
+    (told,) = told_of_speeds(replace(DRIVE, sprockets=(fast, driven)))
+    assert told.startswith("motion.speed of sprocket 1 = 1500 rad/s: moves the chain at 51.84 m/s")
+    assert "rustchain.rpm" in told
+
+
+def test_an_initial_speed_in_revolutions_per_minute_is_told():
+    (told,) = told_of_speeds(of_load(initial_speed=-1500.0))
+    assert told.startswith("initial_speed of sprocket 2 = 1500 rad/s: ")
+    assert not told_of_speeds(of_load(initial_speed=rc.rpm(1500)))
+
+
 @pytest.mark.parametrize(
     ("law", "says"),
     [
