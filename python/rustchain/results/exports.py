@@ -152,16 +152,16 @@ class Exports:
         Parameters
         ----------
         path : str or Path
-            The file, such as ``run.nc``; a symbolic link is followed. Endings of other kinds
-            of file, such as ``.csv``, are refused.
+            The file, such as ``run.nc``: its name ends in ``.nc``, ``.nc4``, ``.cdf``, ``.h5`` or
+            ``.hdf5``, or has no ending. A symbolic link is followed.
 
         Raises
         ------
         OSError
             The file cannot be written, or is a directory, a device or a FIFO.
         InvalidInput
-            `path` is no name of a file, such as an open file, has a NUL character, or has the
-            ending of another kind of file.
+            `path` is no name of a file, such as an open file, has a NUL character, or has another
+            ending.
         """
         from rustchain.results import netcdf  # with hashes and threads, which nothing else needs
 

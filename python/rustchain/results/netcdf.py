@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -27,21 +28,19 @@ WRITER = "Result.save or Simulation.run(out=...)"
 
 
 ENDINGS = (".nc", ".nc4", ".cdf", ".h5", ".hdf5")
-"""Usual endings of the names of files of results."""
-
-OTHER_ENDINGS = (
-    *(".csv", ".gif", ".html", ".json", ".mat", ".mp4", ".npy", ".npz", ".parquet", ".pdf"),
-    *(".pkl", ".png", ".svg", ".toml", ".txt", ".xlsx"),
-)
-"""Endings of the names of files of other kinds."""
+"""Endings of the names of files of results; a name may also have none."""
 
 
 def result_path(path: object, field: str = "path") -> Path:
-    """Return the path of a file of a result, or refuse the name of another kind of file."""
+    """Return the path of a file of a result, or refuse the name of another kind of file.
+
+    A number behind a dot is no ending: ``run_25.5``.
+    """
     where = path_of(path, field)
-    if where.suffix.lower() in OTHER_ENDINGS:
+    if re.match(r"\.\D", where.suffix) and where.suffix.lower() not in ENDINGS:
         msg = (
-            f"{field} = {shown_path(where)}: results are written as netCDF; take "
+            f"{field} = {shown_path(where)}: ends in {where.suffix!r}; results are netCDF files: "
+            f"expected {', '.join(ENDINGS)} or no ending; take "
             f"{shown_path(where.with_suffix('.nc').name)}; result.to_pandas().to_csv(...) writes "
             "a table"
         )
