@@ -141,6 +141,8 @@ def study(
     with clear_errors():
         _check_retry(retry, store)
         scene = scene_file(drive, settings)
+        if quiet and not as_json and out is None and store is None:
+            fail("--quiet: leaves nothing of a study; give --out, --store or --json, or remove it")
         path = None if out is None else _table(out)
         given = measure[0] if measure is not None and len(measure) == 1 else measure
         run = {"duration": 0.5, **scene.run}

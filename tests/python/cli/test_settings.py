@@ -142,6 +142,7 @@ def test_json_is_one_document_and_quiet_is_nothing(file, tmp_path):
         "plot": ("plot", file, "--out", tmp_path),
         "study": ("study", "paper", "--runs", 2, "--duration", 4e-3, "--burn-in", 2e-3),
     }
+    calls["study"] += ("--out", tmp_path / "study.csv")
     found = {}
     for name, call in calls.items():
         done = rustchain(*call, "--json")
