@@ -21,7 +21,7 @@ class HistoryFigures(Figures):
         figure, (axes,) = panels(1, "time [s]", "strand tension [N]", size=(7.0, 2.8), ax=ax)
         for k, name in enumerate(self.result.strand_names):
             strand, color = self.result.strand(name), CYCLE[k % len(CYCLE)]
-            axes.plot(strand.time[rows], strand.tension[rows], color=color, label=f"{name} strand")
+            axes.plot(strand.time[rows], strand.tension[rows], color=color, label=f"strand {name}")
         tensioner = self.result.drive.tensioner
         if tensioner is not None:
             axes.axhline(tensioner.pretension, color=GREY, linestyle="--", label="pretension")

@@ -226,6 +226,14 @@ def test_cycles_of_a_part_of_a_revolution_are_called_extrapolated():
         assert any(f"extrapolated from {turns:.2g} revolutions" in label for label in labels)
 
 
+def test_a_strand_has_one_name_in_legends_labels_and_sections():
+    (axes,) = RESULT.plot.tension().axes
+    legend = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert legend[:2] == ["strand upper", "strand lower"]
+    assert RESULT.plot.strand_motion("upper").axes[0].get_ylabel().startswith("strand upper,")
+    assert {"strand upper", "strand lower"} <= set(RESULT.hinge_loads()["section"].values)
+
+
 def test_a_single_row_is_a_marker(one_row):
     for figure in (one_row.plot.tension(), one_row.plot.energy()):
         curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 1]
