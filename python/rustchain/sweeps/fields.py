@@ -52,14 +52,32 @@ def nearest(name: str, known: Sequence[str]) -> str:
             candidates = {path.split(".")[-1]: path for path in reversed(inside)}
         else:  # parts that have parts
             candidates = {path.split(".")[0]: path.split(".")[0] for path in inside if "." in path}
+        if inside == ["1"]:  # numbers only, such as the two of a point
+            shown += "2." if head.casefold() == "y" else "1."
+            continue
         near = "1" if "1" in inside else nearest_name(head, candidates)
         if near is None:
             ends = [name.split(".", n)[-1] for n in range(1, len(heads))]
             if k == 0 and (end := next((e for e in ends if general(e) in known), None)):
                 return f"did you mean {end!r}?"
+            if head != rest:  # parts of parts
+                candidates = _places_of_parts(inside)
+                near = nearest_name(head, candidates)
+        if near is None:
             return suggest(None, [shown + path for path in inside if "." not in path])
         shown += f"{candidates[near]}."
     return f"did you mean {shown[:-1]!r}?"
+
+
+def _places_of_parts(paths: Sequence[str]) -> dict[str, str]:
+    """Return the name and the first place of each part that has parts, of sorted paths."""
+    places: dict[str, str] = {}
+    for path in paths:
+        heads = path.split(".")
+        for n in range(1, len(heads)):
+            if not heads[n - 1].isdecimal():
+                places.setdefault(heads[n - 1], ".".join(heads[:n]))
+    return places
 
 
 def missing_part(part: object, name: str, path: Sequence[str]) -> str | None:
