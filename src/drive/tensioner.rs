@@ -146,10 +146,12 @@ impl Tensioner {
             let cos = (1.0 - sin * sin).max(0.0).sqrt();
             let direction = self.direction.unwrap_or(away).normalize();
             self.share(direction, 2.0 * cos * away.normalize())?;
-            // The cosine of the direction, from its sine: exactly one along the line of centres.
-            let across = direction.perp(&away) / between.norm();
-            let along = (1.0 - across * across).max(0.0).sqrt();
             let taut_at = way.closing_place((direction, 0.0));
+            // The line of centres where the chain is taut: a steep direction turns it.
+            let taut = away + taut_at.unwrap_or(0.0) * direction;
+            // The cosine of the direction, from its sine: exactly one along the line of centres.
+            let across = direction.perp(&taut) / taut.norm();
+            let along = (1.0 - across * across).max(0.0).sqrt();
             return Ok(TensionerLine {
                 direction,
                 curvature: 0.0,

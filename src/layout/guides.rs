@@ -14,6 +14,8 @@ const FARTHEST_SWING: f64 = 1.0;
 const OUTLINE_POINTS: usize = 24;
 /// Number of parts of that rotation in the search for a clear position.
 const SWINGS: u32 = 200;
+/// Bisections of the displacement that a refusal proposes: 1 m to 1e-3 um.
+const HALVINGS: u32 = 30;
 
 impl InitialConfiguration {
     /// Return the same configuration with the guides of `drive` at rest, clear of its chain; writes their positions into `layout`.
@@ -33,17 +35,21 @@ impl InitialConfiguration {
                 let along = unit(angle);
                 bearing + offset.x * along + offset.y * turned_left(along)
             };
-            let gap = |angle: f64| {
+            let gap_beside = |middle: Vec2, angle: f64| {
                 Lie {
                     chain: &drive.chain,
                     hinges: &hinges,
-                    sprockets: vec![(middle(angle), angle, &profile)],
+                    sprockets: vec![(middle, angle, &profile)],
                 }
                 .smallest_gap()
             };
+            let gap = |angle: f64| gap_beside(middle(angle), angle);
             check_beside_sprockets(drive, number, (middle(rail.angle()), rail.angle()))?;
-            let angle =
-                clear_angle(rail, gap).ok_or_else(|| overlap(number, rail, -gap(rail.angle())))?;
+            let angle = clear_angle(rail, gap).ok_or_else(|| {
+                let (middle, back) = (middle(rail.angle()), rail.direction.normalize());
+                let moved = |by: f64| gap_beside(middle - by * back, rail.angle());
+                overlap(number, rail, -gap(rail.angle()), moved)
+            })?;
             let turn = angle - rail.angle();
             let mut travel = [0.0; 2];
             if let Mount::Arm(arm) = rail.mount {
@@ -112,8 +118,29 @@ impl InitialConfiguration {
     }
 }
 
-/// Return the error of a guide that overlaps the chain by `inside` \[m\] at its described position, and at every position of its arm.
-fn overlap(number: usize, rail: &Rail, inside: f64) -> Error {
+/// Return the error of a guide that overlaps the chain by `inside` \[m\] at its described position, and at every position of its arm;
+/// `moved` is its gap after a displacement against its direction.
+fn overlap(number: usize, rail: &Rail, inside: f64, moved: impl Fn(f64) -> f64) -> Error {
+    let distance = match rail.shape {
+        RailShape::Wheel { .. } => "more than that".to_string(),
+        RailShape::Bar { .. } => {
+            let (mut short, mut enough) = (0.0, inside);
+            while moved(enough) <= START_GAPS[0] && enough < 1.0 {
+                (short, enough) = (enough, 2.0 * enough);
+            }
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (short + enough);
+                let clear = moved(middle) > START_GAPS[0];
+                (short, enough) = if clear {
+                    (short, middle)
+                } else {
+                    (middle, enough)
+                };
+            }
+            // Rounded up, so that the proposed number is enough.
+            format!("{:.3} mm or more", (1e6 * enough).ceil() / 1e3)
+        }
+    };
     let (cause, remedy) = match (rail.shape, rail.mount) {
         (RailShape::Wheel { .. }, _) => ("", ""),
         (RailShape::Bar { .. }, Mount::Arm(_)) => (", and no rotation of its arm clears it", ""),
@@ -123,7 +150,7 @@ fn overlap(number: usize, rail: &Rail, inside: f64) -> Error {
         ),
     };
     Error::Impossible(format!(
-        "guide {} overlaps the chain of the initial configuration by {:.3} mm{cause}; {} by that or more{remedy}",
+        "guide {} overlaps the chain of the initial configuration by {:.3} mm{cause}; {} by {distance}{remedy}",
         number + 1,
         1e3 * inside,
         move_back(rail)
@@ -135,7 +162,8 @@ fn move_back(rail: &Rail) -> String {
     let [x, y]: [f64; 2] = rail.center.into();
     let (kind, back) = match rail.shape {
         RailShape::Bar { .. } => {
-            let [x, y]: [f64; 2] = rail.direction.into();
+            // Without negative zeros.
+            let [x, y] = [rail.direction.x + 0.0, rail.direction.y + 0.0];
             let back = format!("against GuideRail.direction = ({x}, {y})");
             ("GuideRail", back)
         }

@@ -87,6 +87,7 @@ fn two_sprockets_have_the_tension_that_is_asked_for_in_any_direction_and_behind_
         ("steep", 0.0, along(1.0, -0.4)),
         ("steeper", 0.0, along(1.0, 1.0)),
         ("spring", 3e-3, spring),
+        ("steep with slack", 3e-3, along(1.0, 5.8)),
     ] {
         let drive = two_shafts(short, tensioner);
         rests_with(80.0, name, tensions_at_rest(&drive));

@@ -624,7 +624,7 @@ fn the_matrix_of_a_drive_laid_out_as_a_mechanism_is_the_chains_own() {
         let mut drive = common::paper_drive();
         drive.tensioner = Some(common::tensioner(pretension, 2e-3));
         let mut run = common::simulation(&drive, &laws, common::control(1e-8));
-        common::advance(&mut run, 8e-3);
+        common::advance(&mut run, 7e-3);
         // To where the integrator is already, so that positions are those of its state.
         let end = run.integrator().time();
         common::advance(&mut run, end);
