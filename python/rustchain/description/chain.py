@@ -204,8 +204,10 @@ class Chain(Description):
 
     @property
     def link_pitches(self) -> npt.NDArray[np.float64]:
-        """Distance between the hinges of each link [m], wear and spread included, (links,)."""
-        return _rustchain.chain_links(self)[:, 0]
+        """Distance between the hinges of each link [m], wear and spread included; read-only."""
+        pitches = _rustchain.chain_links(self)[:, 0]
+        pitches.flags.writeable = False
+        return pitches
 
     @property
     def mean_pitch(self) -> float:

@@ -26,6 +26,7 @@ from rustchain.errors import (
 from rustchain.names import known_keywords
 from rustchain.panics import IN_USE
 from rustchain.results import state_file
+from rustchain.results.values import read_only
 from rustchain.simulation.core import core_of, start_of
 from rustchain.simulation.evaluation import Evaluation
 from rustchain.typing import Array, FilePath, Number
@@ -68,13 +69,15 @@ class Present(OfScene):
 
     @property
     def positions(self) -> Array:
-        """Present positions [m, m, rad], (bodies, 3)."""
-        return self._core.positions
+        """Present positions [m, m, rad], (bodies, 3): a read-only copy."""
+        positions: Array = read_only(self._core.positions)
+        return positions
 
     @property
     def velocities(self) -> Array:
-        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
-        return self._core.velocities
+        """Present velocities [m/s, m/s, rad/s], (bodies, 3): a read-only copy."""
+        velocities: Array = read_only(self._core.velocities)
+        return velocities
 
     @property
     def stats(self) -> dict[str, float]:

@@ -337,6 +337,7 @@ def test_a_spread_is_refused_only_where_the_nominal_chain_is_or_clearances_are_u
 def test_the_spread_is_drawn_with_a_seed_and_has_its_deviation():
     chain = replace(PAPER, links=2000, pitch_spread=1e-3)
     pitches = chain.link_pitches
+    assert not pitches.flags.writeable
     assert np.array_equal(pitches, replace(chain, seed=0).link_pitches)
     assert not np.array_equal(pitches, replace(chain, seed=1).link_pitches)
     # Five standard errors.

@@ -442,6 +442,13 @@ def test_an_evaluation_has_no_side_effects_and_names_what_it_has(scene):
         first.accelerations[0] = 0.0
 
 
+def test_arrays_of_the_present_state_are_read_only(scene):
+    simulation = rc.Simulation(scene)
+    for values in (simulation.positions, simulation.velocities):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0, 0] = 1.0
+
+
 def test_a_start_of_ones_own_is_where_the_simulation_begins(scene):
     simulation = rc.Simulation(scene)
     positions, velocities = simulation.positions.copy(), simulation.velocities

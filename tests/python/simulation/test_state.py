@@ -209,7 +209,7 @@ def test_after_a_failed_run_the_state_fails_alike(tmp_path):
 
 def test_a_start_of_ones_own_is_in_the_file(tmp_path):
     calm = rc.Simulation(rc.paper_drive())
-    velocities = calm.velocities
+    velocities = calm.velocities.copy()
     velocities[:38] += [0.1, -0.05, 0.0]
     simulation = rc.Simulation(rc.paper_drive(), positions=calm.positions, velocities=velocities)
     simulation.step_to(2e-3)

@@ -719,7 +719,7 @@ def test_the_start_is_a_parameter_and_cases_begin_there():
 
 def test_positions_and_velocities_of_ones_own_are_keywords_and_parameters():
     calm = rc.Simulation(PAPER)
-    pushed = calm.velocities
+    pushed = calm.velocities.copy()
     pushed[:38, 0] += 0.1
     found = rc.sweep(
         PAPER, {"velocities": [calm.velocities, pushed]}, duration=2e-4, progress=False

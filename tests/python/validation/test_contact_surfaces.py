@@ -97,7 +97,7 @@ def dropped(profile):
     sprocket = rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(0.0), profile=profile)
     drive = rc.open_chain(CHAIN, ends, 18, [sprocket])
     laid = rc.Simulation(drive)
-    positions, velocities = laid.positions, laid.velocities
+    positions, velocities = laid.positions.copy(), laid.velocities.copy()
     away = np.sign(positions[9, 1])
     positions[:18, 1] += away * 0.01
     velocities[:18, 1] = -2.0 * away

@@ -152,7 +152,7 @@ def test_a_guide_is_no_sprocket_whose_speed_is_set():
 @pytest.mark.parametrize(("row", "column"), [(0, 1), (-1, 2)])
 def test_a_start_of_ones_own_holds_to_the_bounds_of_speeds(row, column):
     calm = rc.Simulation(drive(torque=-1.0))
-    velocities = calm.velocities
+    velocities = calm.velocities.copy()
     velocities[row, column] = 1e6
     name = "sprocket_2" if row else "link_1"
     with pytest.raises(
