@@ -101,6 +101,16 @@ def _keywords(function: Callable[..., object]) -> list[str] | None:
     return [p.name for p in parameters if p.kind in named and p.name not in ("self", "cls")]
 
 
+def _field_of_returned(function: Callable[..., object], keyword: str) -> str | None:
+    """Return how to set a field of the description that a function returns; None: it has none."""
+    made: Any = inspect.unwrap(function)
+    kind = made.__globals__.get(made.__annotations__.get("return"))
+    if keyword not in getattr(kind, "__dataclass_fields__", ()):
+        return None
+    name = f"{made.__name__}(...)"
+    return f"it is a field of {kind.__name__}: dataclasses.replace({name}, {keyword}=...)"
+
+
 def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _Target:
     """Wrap `function` so that unknown keywords raise before it is called."""
 
@@ -114,7 +124,8 @@ def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _T
         for keyword in keywords:
             known = _keywords(function)
             if known is not None and keyword not in known:
-                msg = f"{name}() has no argument {keyword!r}; {suggest(keyword, known)}"
+                remedy = _field_of_returned(function, keyword) or suggest(keyword, known)
+                msg = f"{name}() has no argument {keyword!r}; {remedy}"
                 raise TypeError(msg)
         return function(*args, **keywords)
 

@@ -71,6 +71,14 @@ def test_a_wrong_value_names_its_field():
     assert issubclass(rc.InvalidInput, ValueError)
 
 
+def test_a_keyword_that_is_a_field_of_what_a_function_returns_is_told_with_the_remedy():
+    said = (
+        r"'elongation'; it is a field of Chain: dataclasses\.replace\(catalogue_chain\(\.\.\.\), "
+    )
+    with pytest.raises(TypeError, match=said):
+        rc.catalogue_chain("ANSI 40", 60, elongation=0.01)
+
+
 def test_a_chain_that_is_not_listed_is_answered_with_the_nearest():
     with pytest.raises(rc.InvalidInput, match="did you mean 'ANSI 40'"):
         rc.two_sprocket_drive(chain="ASA 40", links=60)
