@@ -85,6 +85,12 @@ def loss_map(
         )
         raise InvalidInput(msg)
     check_burn_in(burn_in, duration, [{}])
+    if report_step - (duration - burn_in) > 1e-9 * duration:  # rounding
+        msg = (
+            f"report_step = {shown(report_step)}: must be at most the time that is measured, "
+            f"{duration - burn_in:g} s; take a smaller one, or a longer duration"
+        )
+        raise InvalidInput(msg)
     for name, values in (("speeds", speeds), ("torques", torques)):
         if len(values) == 0:
             raise InvalidInput(f"{name} = {shown(values)}: must hold at least one value")

@@ -164,6 +164,13 @@ def test_a_loss_map_holds_the_balances_of_single_runs():
         rc.loss_map(drive, speeds, torques, loaded=3)
 
 
+def test_a_loss_map_with_a_report_step_beyond_what_is_measured_is_refused_before_a_run(monkeypatch):
+    monkeypatch.setattr("rustchain.sweeps.sweep.run_here", lambda *_: pytest.fail("it ran"))
+    said = "report_step = 1e+300: must be at most the time that is measured, 0.3 s; take a smaller"
+    with pytest.raises(rc.InvalidInput, match=re.escape(said)):
+        rc.loss_map(PAPER, [10.0], [-1.0], report_step=1e300)
+
+
 @pytest.mark.parametrize("measures", [("upper",), ()])
 def test_figures_of_a_study(study, measures):
     mpl.use("Agg")
