@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
 from typing import Any, TypeAlias
 
@@ -26,18 +26,25 @@ def axes_of(axes: Mapping[Any, Iterable[Any]]) -> Axes:
         if listed is None:
             msg = f"{where} = {shown(values)}: must be a sequence of values, one for each case"
             raise InvalidInput(msg)
-        found[name] = tuple(map(plain, listed))
+        found[name] = tuple(map(_read_once, listed))
         if not found[name]:
             msg = f"{where} = {shown(values)}: must hold at least one value"
             raise InvalidInput(msg)
         if isinstance(name, tuple):
             _check_rows(where, name, found[name])
+            found[name] = tuple(tuple(map(_read_once, row)) for row in found[name])
     names = [each for name in found for each in names_of(name)]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         msg = f"axes: {shown(twice)} is there twice, on two axes"
         raise InvalidInput(msg)
     return found
+
+
+def _read_once(value: Any) -> Any:  # noqa: ANN401
+    """Return a value as a case has it; the items of an iterator, which several cases share."""
+    items = items_within("axes", value, MOST_CASES) if isinstance(value, Iterator) else None
+    return plain(value if items is None else items)
 
 
 def _check_rows(where: str, names: tuple[str, ...], rows: tuple[Any, ...]) -> None:
@@ -80,7 +87,7 @@ def cases_of(axes: object) -> tuple[Axes | None, list[Parameters]]:
             "or be a list with a mapping of names to values for each case"
         )
         raise InvalidInput(msg)
-    return None, [{name: plain(value) for name, value in case.items()} for case in listed]
+    return None, [{name: _read_once(value) for name, value in case.items()} for case in listed]
 
 
 def check_burn_in(burn_in: object, duration: object, cases: Iterable[Parameters]) -> None:

@@ -23,6 +23,14 @@ def place(result):
     return {"pull": pull, "omega": result.drive.sprockets[0].motion.speed}
 
 
+@pytest.mark.parametrize("together", [False, True])
+def test_an_iterator_that_cases_share_is_read_once(together):
+    groups = iter(["hinges"])
+    axes = {("record", "rtol"): [(groups, 1e-4)]} if together else {"record": [groups]}
+    found = rc.sweep(PAPER, axes | {"speed": [10.0, 12.0]}, **BRIEF)
+    assert [result.groups for result in found.results] == [("hinges",), ("hinges",)]
+
+
 def test_parameters_that_vary_together_are_one_dimension():
     rows = [(0.0, 10.0), (25.0, 12.0), (50.0, 14.0)]
     axes = {("pretension", "speed"): rows, "rtol": [1e-4, 1e-5]}
