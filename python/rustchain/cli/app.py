@@ -22,6 +22,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # it would take the units in brackets for markup
+    context_settings={"max_content_width": 120},  # of a wide terminal; click has 80
     epilog=_EXIT_CODES,
 )
 for command in (run, check, plot, animate, report, sweep, study, fmu, catalogue, schema):

@@ -1,6 +1,7 @@
 """Options that commands share: --set, --json, --quiet; exit codes, completion, figures by name."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -133,6 +134,15 @@ def test_each_command_says_its_exit_codes_and_has_help():
     assert {each.name or each.callback.__name__ for each in app.registered_commands} == COMMANDS
     assert rustchain("rum", "paper").exit_code == 2
     assert rustchain("run").exit_code == 2
+
+
+@pytest.mark.parametrize(("columns", "widest"), [(70, 68), (200, 118)])
+def test_help_is_as_wide_as_the_terminal_up_to_lines_that_can_be_read(columns, widest):
+    called = [sys.executable, "-m", "rustchain", "study", "--help"]
+    done = subprocess.run(
+        called, capture_output=True, text=True, env=os.environ | {"COLUMNS": str(columns)}
+    )
+    assert widest - 12 < max(map(len, done.stdout.splitlines())) <= widest
 
 
 def test_json_is_one_document_and_quiet_is_nothing(file, tmp_path):
