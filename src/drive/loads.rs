@@ -12,7 +12,7 @@ use crate::math::Signal;
 /// a default run needs some 1e6 steps per simulated second, with ten thousand times 1e8.
 const MOST_PRESSURE: f64 = 1e10;
 
-/// Largest speed of a chain \[m/s\]. Roller chains run below 50 m/s. At 1000 m/s the centrifugal tension,
+/// Largest speed of a chain \[m/s\]. Roller chains run below 40 m/s. At 1000 m/s the centrifugal tension,
 /// mass per length times the square of the speed, is some 40 times the breaking load.
 pub(crate) const MOST_CHAIN_SPEED: f64 = 1e3;
 
@@ -58,7 +58,7 @@ impl InputBounds {
             return Ok(());
         }
         let expected = format!(
-            "expected at most {:.1e} rad/s, a chain speed of {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the \
+            "expected at most {:.1e} rad/s, a chain speed of {MOST_CHAIN_SPEED} m/s where real chains run below 40 m/s; check the \
              unit",
             self.speed
         );
@@ -206,7 +206,7 @@ impl Drive {
             let speed = velocity.iter().map(Signal::largest).fold(0.0, f64::max);
             if speed > MOST_CHAIN_SPEED {
                 let expected = format!(
-                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"
+                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 40 m/s; check the unit"
                 );
                 let field = format!("ChainDrive.ends.{}.velocity", i + 1);
                 return Err(Error::invalid(field, speed, expected));

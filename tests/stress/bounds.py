@@ -41,7 +41,7 @@ HARD = 1e9
 
 # Bodies faster than this [m/s], or contacts under more force than this times the square of the
 # pitch [Pa], may penetrate by a radius: a roller at 500 m/s has the elastic energy of half of it.
-# Chains run below 50 m/s and break at 1e8 Pa. In mechanisms, radius times length is the area.
+# Chains run below 40 m/s and break at 1e8 Pa. In mechanisms, radius times length is the area.
 FASTEST, STRONGEST = 100.0, 1e9
 
 # No array of a result has a number that is not finite but these: no contact near, no peak yet.

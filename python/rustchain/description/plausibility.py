@@ -8,7 +8,7 @@ from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rustchain.arguments import finite_number
-from rustchain.description.signals import Signal, Sines, SmoothStep
+from rustchain.description.signals import Sines, SmoothStep
 
 if TYPE_CHECKING:
     from rustchain.description.chain import Chain
@@ -79,8 +79,8 @@ _WIDEST = 10.0
 _LARGEST_ANGLE = 4.0 * math.pi
 # Speed of the fastest rotors, 300 000 revolutions a minute [rad/s].
 _FASTEST = 3.2e4
-# Speed of the fastest roller chains [m/s]; 17 teeth of 12.7 mm at 1500 rad/s have 52.
-_FASTEST_CHAIN = 50.0
+# Speed of the fastest roller chains [m/s]; 17 teeth of 12.7 mm at 1440 rad/s have 49.8.
+_FASTEST_CHAIN = 40.0
 # Mass of a link over the cube of its pitch [kg/m^3]: roller chains have 4e3, 4e6 with grams.
 _DENSEST = 2e5
 # What turns with a sprocket, as a mass on the chain at its pitch radius [kg].
@@ -151,20 +151,22 @@ def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
         for name, speed in speeds.items():
             if radius * speed > _FASTEST_CHAIN:
                 yield (
-                    f"{name} of sprocket {number} = {speed:.4g} rad/s: moves the chain at "
+                    f"{name} of sprocket {number} reaches {speed:.4g} rad/s: moves the chain at "
                     f"{radius * speed:.4g} m/s, roller chains run below {_FASTEST_CHAIN:g} m/s; "
                     "convert rev/min by rustchain.rpm"
                 )
 
 
-def _largest(signal: Signal) -> float:
+def _largest(signal: Any) -> float:  # noqa: ANN401
     """Return the largest absolute value of a signal, of a spline at its rows."""
     if isinstance(signal, Sines):
-        return abs(signal.offset) + sum(abs(amplitude) for amplitude, *_ in signal.terms)
-    if isinstance(signal, SmoothStep):
-        return max(abs(signal.before), abs(signal.after))
-    rows = getattr(signal, "rows", signal)
-    return max(abs(value) for _, value in rows) if isinstance(rows, tuple) else abs(rows)
+        values = [abs(signal.offset) + sum(abs(amplitude) for amplitude, *_ in signal.terms)]
+    elif isinstance(signal, SmoothStep):
+        values = [signal.before, signal.after]
+    else:
+        rows = getattr(signal, "rows", signal)
+        values = [value for _, value in rows] if isinstance(rows, tuple) else [rows]
+    return max(float(abs(value)) for value in values)
 
 
 def _chain(chain: Chain, prefix: str, of: str) -> Iterator[str]:

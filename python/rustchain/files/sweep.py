@@ -58,6 +58,8 @@ _FIGURES = (
 """Figures of `Result.summary` with two sprockets."""
 _OF_MORE = re.compile(r"tension_\w+-\w+|(transmission_error|ripple)_([2-9]|[1-9]\d+)")
 """Figures of further strands and sprockets."""
+_WITHOUT_JUMPS = re.compile(r"efficiency|transmission_error_([2-9]|[1-9]\d+)")
+"""Figures that a chain that jumps teeth does not have."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +75,8 @@ class Figures:
         jumps = jumps_within(result, self.burn_in)
         jumped = jumps is not None and len(jumps[0]) > 0
         for name in self.names:
-            if jumped and name.startswith(("efficiency", "transmission_error_")):
-                found.setdefault(name, nan)  # not of a chain that jumps; the others are kept
+            if jumped and _WITHOUT_JUMPS.fullmatch(name):
+                found.setdefault(name, nan)  # the others are kept
             if name not in found:
                 msg = f"measure: {shown(name)} is no figure of this run; {suggest(name, found)}"
                 raise NotRecorded(msg)

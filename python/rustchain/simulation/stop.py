@@ -116,6 +116,9 @@ class _ContactForceAbove(StopCondition):
 class HingeForceAbove(_ContactForceAbove):
     """The force of a hinge has exceeded a limit since the row before.
 
+    It is compared with the peaks of `Result.peaks`, which are too large in single steps with an
+    `accuracy` looser than 1e-9.
+
     Attributes
     ----------
     force : float
@@ -134,6 +137,9 @@ class HingeForceAbove(_ContactForceAbove):
 @description(frozen=True)
 class ToothForceAbove(_ContactForceAbove):
     """The tooth force of a bushing has exceeded a limit since the row before.
+
+    It is compared with the peaks of `Result.peaks`, which are too large in single steps with an
+    `accuracy` looser than 1e-9.
 
     Attributes
     ----------

@@ -124,7 +124,7 @@ fn check_speeds(model: &Model, start: &InitialConfiguration) -> Result<()> {
                 field(body),
                 format!("({vx}, {vy})"),
                 format!(
-                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"
+                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 40 m/s; check the unit"
                 ),
             ));
         }

@@ -91,13 +91,15 @@ def test_a_speed_in_revolutions_per_minute_is_told(speed):
     driver, driven = DRIVE.sprockets
     fast = replace(driver, motion=rc.PrescribedSpeed(speed))
     (told,) = told_of_speeds(replace(DRIVE, sprockets=(fast, driven)))
-    assert told.startswith("motion.speed of sprocket 1 = 1500 rad/s: moves the chain at 51.84 m/s")
+    assert told.startswith(
+        "motion.speed of sprocket 1 reaches 1500 rad/s: moves the chain at 51.84 m/s"
+    )
     assert "rustchain.rpm" in told
 
 
 def test_an_initial_speed_in_revolutions_per_minute_is_told():
     (told,) = told_of_speeds(of_load(initial_speed=-1500.0))
-    assert told.startswith("initial_speed of sprocket 2 = 1500 rad/s: ")
+    assert told.startswith("initial_speed of sprocket 2 reaches 1500 rad/s: ")
     assert not told_of_speeds(of_load(initial_speed=rc.rpm(1500)))
 
 

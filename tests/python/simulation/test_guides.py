@@ -111,19 +111,21 @@ def test_a_guide_that_cannot_be_is_refused_by_name(field):
         replace(rail, **REFUSED[field])
 
 
-def test_a_rail_in_the_chain_is_refused_with_how_far():
-    rail = rc.GuideRail(center=(0.136, 0.04), direction=(0.0, -1.0), length=0.1)
+@pytest.mark.parametrize("direction", [(-0.0, -1.0), (0.2, -1.0)])
+def test_a_rail_in_the_chain_is_refused_with_how_far(direction: tuple[float, float]):
+    rail = rc.GuideRail(center=(0.136, 0.04), direction=direction, length=0.1)
     with pytest.raises(rc.InvalidInput) as refused:
         replace(guided(), guides=[rail]).check()
     said = re.fullmatch(
-        r"guide 1 overlaps the chain of the initial configuration by ([\d.]+) mm; move "
-        r"GuideRail\.center = \(0\.136, 0\.04\) m against GuideRail\.direction = \(0, -1\) by that "
-        r"or more, or give it a GuideRail\.arm, .*",
+        r"guide 1 overlaps the chain of the initial configuration by [\d.]+ mm; move "
+        r"GuideRail\.center = \(0\.136, 0\.04\) m against GuideRail\.direction = \(0(?:\.2)?, -1\) "
+        r"by ([\d.]+) mm or more, or give it a GuideRail\.arm, .*",
         str(refused.value),
     )
     assert said, refused.value
-    back = 0.04 + 1e-3 * float(said[1])
-    replace(guided(), guides=[replace(rail, center=(0.136, back + 1e-5))]).check()
+    back = 1e-3 * float(said[1]) / np.hypot(*direction)
+    x, y = 0.136 - back * direction[0], 0.04 - back * direction[1]
+    replace(guided(), guides=[replace(rail, center=(x, y))]).check()
 
 
 def test_a_blade_and_an_idler_in_the_chain_are_refused_with_fields_of_their_own():
