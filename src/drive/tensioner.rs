@@ -121,7 +121,8 @@ impl Tensioner {
     /// Return the guide path and pull in `drive`.
     ///
     /// The pull is the component along the guide path of the force of a belt of the given tension on the sprocket, at the position of a
-    /// taut chain; there, a spring has reduced it to that. With two sprockets, the angles of the strands are those of the described centres.
+    /// taut chain; there, a spring has reduced it to that. With two sprockets, the angle between a strand and the line of centres is that of
+    /// the described centres.
     ///
     /// # Errors
     /// When the pull does not tighten the chain: the message has the ratio of tension to force.
