@@ -134,7 +134,7 @@ def with_settings(file: SceneFile, settings: Sequence[str] | None) -> SceneFile:
     for setting in settings or ():
         name, value = named_value("--set", setting)
         if name in parameters:
-            fail(f"--set: {name!r} is there twice; give it once")
+            misuse(f"--set: {name!r} is there twice; give it once")
         parameters[name] = value
     return file.with_parameters(parameters, "--set") if parameters else file
 
@@ -143,7 +143,7 @@ def named_value(option: str, text: str) -> tuple[str, Any]:
     """Return name and value of ``name=value``."""
     name, equals, value = text.partition("=")
     if not equals or not name.strip():
-        fail(f"{option} {text}: is no setting; expected name=value, such as pretension=25")
+        misuse(f"{option} {text}: is no setting; expected name=value, such as pretension=25")
     name = name.strip()
     return name, value_of_text(option, name, value.strip())
 
@@ -204,6 +204,12 @@ def fail(message: object) -> NoReturn:
     """End with a message, not a traceback."""
     typer.echo(f"error: {message}", err=True)
     raise typer.Exit(1)
+
+
+def misuse(message: object) -> NoReturn:
+    """End as for a wrong command line, whatever the files hold."""
+    typer.echo(f"error: {message}", err=True)
+    raise typer.Exit(2)
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
 
+from rustchain.cli.common import misuse
 from rustchain.errors import InvalidInput
 from rustchain.extras import typer
 from rustchain.names import suggest
@@ -30,7 +31,7 @@ def executor_of(text: str) -> Iterator[dict[str, Any]]:
     kind, _, more = text.partition(":")
     if kind not in _WORDS:
         msg = f"--executor = {text!r}: is none; {suggest(kind, _WORDS)}"
-        raise InvalidInput(msg)
+        misuse(msg)
     if kind == "dask":
         yield from _dask(more)
     elif kind == "mpi":
@@ -46,7 +47,7 @@ def _dask(address: str) -> Iterator[dict[str, Any]]:
     """Give a client of the scheduler at an address, or whose file is named."""
     if not address:
         msg = "--executor = 'dask': has no address; expected dask:tcp://host:8786 or dask:file.json"
-        raise InvalidInput(msg)
+        misuse(msg)
     client = _imported("dask.distributed", "dask[distributed]").Client
     file = address.endswith(".json")
     keywords = {"scheduler_file": address} if file else {"address": address}
@@ -101,5 +102,5 @@ def _count(text: str, given: str) -> int | None:
         return None
     if not (given.isdecimal() and int(given) >= 1):
         msg = f"--executor = {text!r}: expected a number of workers behind the colon, such as 4"
-        raise InvalidInput(msg)
+        misuse(msg)
     return int(given)

@@ -21,6 +21,7 @@ from rustchain.cli.common import (
     clear_errors,
     fail,
     make_room,
+    misuse,
     named_value,
     scene_file,
     with_settings,
@@ -142,7 +143,9 @@ def study(
         _check_retry(retry, store)
         scene = scene_file(drive, settings)
         if quiet and not as_json and out is None and store is None:
-            fail("--quiet: leaves nothing of a study; give --out, --store or --json, or remove it")
+            misuse(
+                "--quiet: leaves nothing of a study; give --out, --store or --json, or remove it"
+            )
         path = None if out is None else _table(out)
         given = measure[0] if measure is not None and len(measure) == 1 else measure
         run = {"duration": 0.5, **scene.run}
@@ -150,7 +153,7 @@ def study(
         grid: dict[str, Any] = {}
         for name, values in (named_value("--axis", each) for each in axes or ()):
             if name in grid:
-                fail(f"--axis: {name!r} is there twice; give it once, with all values")
+                misuse(f"--axis: {name!r} is there twice; give it once, with all values")
             grid[name] = values
         _check_no_axis(settings, grid, "--axis; remove one of them")
         figures = None if given is None else measure_of(given, 0.0, Path())
@@ -185,13 +188,15 @@ def _check_no_axis(settings: list[str] | None, varied: Collection[str], where: s
     """Refuse to set what an axis varies; `where` it does, and a remedy."""
     for name in (each.partition("=")[0].strip() for each in settings or ()):
         if name in varied:
-            fail(f"--set: {name!r} is varied by {where}")
+            misuse(f"--set: {name!r} is varied by {where}")
 
 
 def _check_retry(retry: bool, store: Path | None) -> None:
     """Refuse to run again what no store has."""
     if retry and store is None:
-        fail("--retry: runs stored cases again, and there is no store; give --store, or remove it")
+        misuse(
+            "--retry: runs stored cases again, and there is no store; give --store, or remove it"
+        )
 
 
 def _table(path: Path) -> Path:

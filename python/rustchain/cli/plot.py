@@ -15,6 +15,7 @@ from rustchain.cli.common import (
     clear_errors,
     fail,
     make_folder,
+    misuse,
 )
 from rustchain.extras import typer
 from rustchain.names import suggest
@@ -61,7 +62,7 @@ def plot(
         import rustchain.plot  # first, as it names the extra  # noqa: F401
 
         if form not in FigureCanvasBase.get_supported_filetypes():
-            fail(f"--format = {form}: cannot be drawn; take png, pdf or svg")
+            misuse(f"--format = {form}: cannot be drawn; take png, pdf or svg")
         figures = _figures(rc.load_result(file), hinges)
         for name in names or ():
             if name not in figures:
@@ -136,7 +137,7 @@ def _numbers(text: str | None, count: int) -> list[int]:
     try:
         numbers = [int(number) for number in text.split(",")]
     except ValueError:
-        fail(f"--hinges = {text!r}: is no list of numbers, such as 6,11")
+        misuse(f"--hinges = {text!r}: is no list of numbers, such as 6,11")
     for number in numbers:
         if not 1 <= number <= count:
             fail(f"--hinges = {number}: there is none; hinges are numbered 1 to {count}")

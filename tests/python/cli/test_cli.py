@@ -118,6 +118,7 @@ def test_a_place_that_cannot_be_written_is_told_before_anything_runs(tmp_path, m
         assert message in done.output
     done = rustchain("plot", taken, "--format", "doc")
     assert "--format = doc: cannot be drawn; take png, pdf or svg" in done.output
+    assert done.exit_code == 2
 
 
 def test_a_look_at_the_place_leaves_what_is_there(tmp_path, monkeypatch):

@@ -97,7 +97,7 @@ def test_a_sweep_file_gives_the_numbers_of_the_same_call_in_python():
         for column in expected:
             assert list(table[column]) == list(expected[column])
     done = rustchain("sweep", "sweep.toml", "--out", "new/table.nc", "--set", "rtol=1e-7", "--json")
-    assert done.exit_code == 1
+    assert done.exit_code == 2
     assert "--set: 'rtol' is varied by the sweep file" in done.output
     done = rustchain("sweep", "sweep.toml", "--out", "new/table.nc", "--json")
     told = json.loads(done.stdout)
@@ -352,7 +352,7 @@ def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path)
 )
 def test_an_executor_that_is_none_is_told(executor, said):
     done = rustchain("sweep", "sweep.toml", "--executor", executor)
-    assert done.exit_code == 1
+    assert done.exit_code == 2
     assert said in done.output
 
 
@@ -375,7 +375,7 @@ def test_options_that_contradict_each_other_are_refused_before_a_run(
     monkeypatch.setattr("rustchain.sweeps.sweep.run_here", lambda *_: pytest.fail("it ran"))
     (tmp_path / "cases.toml").write_text('drive = "paper"\n[[cases]]\nrtol = 1e-5\n')
     done = rustchain(*arguments)
-    assert done.exit_code == 1
+    assert done.exit_code == 2
     assert said in done.output
 
 
