@@ -75,12 +75,17 @@ def check_names(
         raise InvalidInput(msg) from error
     known = [*own, *parameter_names(system, run)]
     names = dict.fromkeys(str(name) for case in cases for name in case)
+
+    def why_missing(name: str) -> str | None:
+        if _is_function(system) or any(name.startswith(f"{each}.") for each in names):
+            return None
+        return missing_part(scene_of(system).system, _kind_of(system), name.split("."))
+
     for name in names:
-        near = None
         if not (takes_all or _in_scene(name)) and general(name) not in known:
-            near = nearest(name, known)
-        elif not _is_function(system) and not any(name.startswith(f"{each}.") for each in names):
-            near = missing_part(scene_of(system).system, _kind_of(system), name.split("."))
+            near: str | None = nearest(name, known, why_missing)
+        else:
+            near = why_missing(name)
         if near is not None:
             raise InvalidInput(f"{where}: {shown(name)} is no parameter; {near}")
     for case in cases:

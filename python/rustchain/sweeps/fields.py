@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
@@ -25,14 +25,23 @@ def field_names(kind: type) -> tuple[str, ...]:
     return tuple(_paths(kind))
 
 
-def nearest(name: str, known: Sequence[str]) -> str:
+def nearest(name: str, known: Sequence[str], why: Callable[[str], str | None]) -> str:
     """Return which of the `known` names an unknown one may mean, with its own numbers.
 
-    Each part of it is compared with the fields that exist at its place.
+    Each part of it is compared with the fields that exist at its place. A name that `why` gives a
+    reason against is not proposed; the reason against `name` itself is then returned.
     """
     if re.search(r"\[\d+\]", name):
         dotted = re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) + 1}", name)
         return f"parts are numbered from 1 behind a dot: {dotted!r}"
+    meant = _meant(name, known)
+    if isinstance(meant, list):
+        return suggest(None, meant)
+    return (why(meant) and why(name)) or f"did you mean {meant!r}?"
+
+
+def _meant(name: str, known: Sequence[str]) -> str | list[str]:
+    """Return the name that an unknown one may mean, or what is known at its place."""
     heads = name.split(".")
     shown = ""  # with a dot at its end, as `place`, which has 1 in place of its numbers
     for k, head in enumerate(heads):
@@ -47,7 +56,7 @@ def nearest(name: str, known: Sequence[str]) -> str:
         tail = general(f".{rest}")
         skipped = next((path for path in inside if path.endswith(tail)), None)
         if skipped is not None:  # parts before it are missing
-            return f"did you mean {shown + skipped.removesuffix(tail[1:]) + rest!r}?"
+            return shown + skipped.removesuffix(tail[1:]) + rest
         if head == rest:
             candidates = {path.split(".")[-1]: path for path in reversed(inside)}
         else:  # parts that have parts
@@ -59,14 +68,14 @@ def nearest(name: str, known: Sequence[str]) -> str:
         if near is None:
             ends = [name.split(".", n)[-1] for n in range(1, len(heads))]
             if k == 0 and (end := next((e for e in ends if general(e) in known), None)):
-                return f"did you mean {end!r}?"
+                return end
             if head != rest:  # parts of parts
                 candidates = _places_of_parts(inside)
                 near = nearest_name(head, candidates)
         if near is None:
-            return suggest(None, [shown + path for path in inside if "." not in path])
+            return [shown + path for path in inside if "." not in path]
         shown += f"{candidates[near]}."
-    return f"did you mean {shown[:-1]!r}?"
+    return shown[:-1]
 
 
 def _places_of_parts(paths: Sequence[str]) -> dict[str, str]:
@@ -81,15 +90,18 @@ def _places_of_parts(paths: Sequence[str]) -> dict[str, str]:
 
 
 def missing_part(part: object, name: str, path: Sequence[str]) -> str | None:
-    """Return why a number in a path means no part of `part`, called `name`; None where it does."""
+    """Return why a path means no part of `part`, called `name`; None where it does.
+
+    A path that begins with no field of `part` is of another object. Fields of a part that is None
+    are possible: a pretension adds a tensioner.
+    """
+    if path[0] not in parts_of(part):
+        return None
     for head in path:
-        if isinstance(part, tuple):
-            if head not in (parts := parts_of(part)):
-                return f"{name}.{head}: {why_not(part, name, head)}"
-            part = parts[head]
-        else:
-            part = getattr(part, head, None)
-        name = f"{name}.{head}"
+        parts = parts_of(part)
+        if head not in parts and (part is not None or head.isdecimal()):
+            return f"{name}.{head}: {why_not(part, name, head)}"
+        part, name = parts.get(head), f"{name}.{head}"
     return None
 
 

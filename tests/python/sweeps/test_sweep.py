@@ -293,8 +293,8 @@ def test_a_function_gets_the_parameters_that_are_its_arguments():
         ("sprockets.20.teeth", "drive.sprockets.20: does not exist; expected a number from 1 to 2"),
         ("sprockets.0.teeth", "drive.sprockets.0: does not exist; expected a number from 1 to 2"),
         ("sprocket.2.teth", "did you mean 'sprockets.2.teeth'"),
-        ("sprockets.2.speed", "did you mean 'sprockets.2.motion.speed'"),
-        ("psrockets.2.motion.speed", "did you mean 'sprockets.2.motion.speed'"),
+        ("sprockets.1.speed", "did you mean 'sprockets.1.motion.speed'"),
+        ("psrockets.1.motion.speed", "did you mean 'sprockets.1.motion.speed'"),
         ("tensioner.sprockets", "did you mean 'tensioner.sprocket'"),
         ("tensioner.force", "known: 'tensioner.pretension', .*'tensioner.stiffness'"),
         ("chain.inner.lenght", "known: 'chain.inner.mass', 'chain.inner.inertia'"),
@@ -318,6 +318,28 @@ def test_an_unknown_axis_is_refused_at_once_with_the_nearest_name(name, said):
         assert repr(name) in str(caught.value)
     with pytest.raises(rc.InvalidInput, match=said):
         rc.sweep(lambda center=0: PAPER, {name: [1]})
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("ends.1.force", "drive.ends.1: cannot be changed, for drive.ends is None"),
+        ("ends.1.1", "drive.ends.1: cannot be changed, for drive.ends is None"),
+        ("sprockets.2.speed", "drive.sprockets.2.speed: does not exist; known: .*'motion'"),
+        ("guides.1.1", "drive.guides.1: does not exist, for drive.guides is empty"),
+    ],
+)
+def test_no_name_is_proposed_that_the_drive_does_not_have(name, said):
+    with pytest.raises(rc.InvalidInput, match=rf"{name!r} is no parameter; {said}"):
+        rc.sweep(PAPER, {name: [1]})
+
+
+def test_the_fields_of_an_end_are_those_of_its_kind():
+    ends = [rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(mass=1.0)]
+    hanging = rc.open_chain("ISO 08B", ends, links=10)
+    for name, known in (("ends.1.force", "'velocity'"), ("ends.2.1", "'mass', 'inertia'")):
+        with pytest.raises(rc.InvalidInput, match=f"drive.{name}: does not exist; .*{known}"):
+            rc.sweep(hanging, {name: [1]})
 
 
 def pendulum():
