@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -42,6 +43,25 @@ def path_of(path: object, field: str = "path") -> Path:
         msg = f"{field} = {shown_path(name)}: is no file name; {words}"
         raise InvalidInput(msg) from error
     return Path(name)
+
+
+def path_with_ending(
+    path: object, field: str, endings: Sequence[str], what: str, more: str = ""
+) -> Path:
+    """Return the path of a file, or refuse the name of another kind of file.
+
+    `what` is the kind of the files in words, `more` a second remedy. A number behind a dot is no
+    ending: ``run_25.5``.
+    """
+    where = path_of(path, field)
+    if re.match(r"\.\D", where.suffix) and where.suffix.lower() not in endings:
+        msg = (
+            f"{field} = {shown_path(where)}: ends in {where.suffix!r}; {what}: expected "
+            f"{', '.join(endings)} or no ending; take "
+            f"{shown_path(where.with_suffix(endings[0]).name)}{more}"
+        )
+        raise InvalidInput(msg)
+    return where
 
 
 def shown_path(path: object) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -14,7 +13,7 @@ import numpy.typing as npt
 
 from rustchain import extras
 from rustchain.errors import InvalidInput
-from rustchain.paths import check_there, path_of, shown_path, write_whole
+from rustchain.paths import check_there, path_with_ending, shown_path, write_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,20 +31,9 @@ ENDINGS = (".nc", ".nc4", ".cdf", ".h5", ".hdf5")
 
 
 def result_path(path: object, field: str = "path") -> Path:
-    """Return the path of a file of a result, or refuse the name of another kind of file.
-
-    A number behind a dot is no ending: ``run_25.5``.
-    """
-    where = path_of(path, field)
-    if re.match(r"\.\D", where.suffix) and where.suffix.lower() not in ENDINGS:
-        msg = (
-            f"{field} = {shown_path(where)}: ends in {where.suffix!r}; results are netCDF files: "
-            f"expected {', '.join(ENDINGS)} or no ending; take "
-            f"{shown_path(where.with_suffix('.nc').name)}; result.to_pandas().to_csv(...) writes "
-            "a table"
-        )
-        raise InvalidInput(msg)
-    return where
+    """Return the path of a file of a result, or refuse the name of another kind of file."""
+    more = "; result.to_pandas().to_csv(...) writes a table"
+    return path_with_ending(path, field, ENDINGS, "results are netCDF files", more)
 
 
 def write(dataset: xr.Dataset, path: object) -> None:

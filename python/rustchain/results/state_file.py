@@ -13,7 +13,7 @@ from rustchain.arguments import rows_of, shown
 from rustchain.description.base import Description
 from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput
-from rustchain.paths import check_there, shown_path, write_whole
+from rustchain.paths import check_there, path_with_ending, shown_path, write_whole
 from rustchain.typing import Array, FilePath
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ def write(path: FilePath, scene: Scene, start: Sequence[Array], state: Mapping[s
     """Write a scene, its start and a state; the file is there whole or not at all."""
     from rustchain import __version__
 
+    path_with_ending(path, "path", (".npz",), "states are NumPy archives")
     members: dict[str, Any] = {"format": _FORMAT, "rustchain_version": __version__}
     members["scene"] = scene.to_json()
     members |= {f"start.{name}": rows for name, rows in zip(_ROWS, start, strict=True)}

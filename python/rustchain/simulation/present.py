@@ -146,8 +146,9 @@ class Present(OfScene):
         """Write the state and its scene to a file.
 
         The file is a NumPy archive (.npz); one that is there already is replaced when the new one
-        is complete. Parameters and errors are those of `Result.save`. A mechanism with a Python
-        function (`add_callable`) is refused; `state` keeps its state in memory.
+        is complete. Its name ends in ``.npz`` or has no ending. Errors are those of `Result.save`.
+        A mechanism with a Python function (`add_callable`) is refused; `state` keeps its state in
+        memory.
         """
         state_file.write(path, self.scene, self._core.start(), self.state())
 

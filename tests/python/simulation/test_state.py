@@ -164,6 +164,19 @@ def test_a_state_before_the_first_step_is_a_state():
     assert_goes_on_alike(one, other, 5e-3)
 
 
+@pytest.mark.parametrize("name", ["run.nc", "state.toml", "state.NPY"])
+def test_a_state_is_refused_under_the_name_of_another_kind_of_file(name, tmp_path):
+    simulation = rc.Simulation(rc.paper_drive())
+    path = tmp_path / name
+    says = rf"ends in '{path.suffix}'; states are NumPy archives: .*; take {path.stem}\.npz$"
+    with pytest.raises(rc.InvalidInput, match=says):
+        simulation.save_state(path)
+    assert not path.exists()
+    for name in ("state", "state.NPZ", "at_25.5"):
+        simulation.save_state(tmp_path / name)
+        assert rc.Simulation.load_state(tmp_path / name).time == 0.0
+
+
 class Interrupted(CoreAround):
     """A core that is interrupted after 800 slices without wall time, of a row or a few steps."""
 
