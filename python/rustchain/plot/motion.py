@@ -35,10 +35,12 @@ class MotionFigures(Figures):
         end: Time = None,
         ax: Ax = None,
     ) -> Figure:
-        """Draw the transmission error over the driver's angle, and its spectrum by order."""
+        """Draw the transmission error over the driver's rotation, and its spectrum by order."""
         found = self.result.transmission_error(driven, driver, start=start, end=end)
         figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 2.9))
-        left.plot(found["driver_angle"] / (2 * np.pi), 1e6 * found["error_length"], color=BLUE)
+        turned = found["driver_angle"].to_numpy() / (2 * np.pi)
+        turned = turned * np.copysign(1.0, turned[-1] - turned[0])  # also of negative speeds
+        left.plot(turned, 1e6 * found["error_length"], color=BLUE)
         left.set(xlabel=f"revolutions of sprocket {driver}")
         left.set(ylabel=f"error of sprocket {driven} [µm]")
         error = found.attrs["peak_to_peak"]  # none before anything touches

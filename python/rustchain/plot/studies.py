@@ -195,13 +195,18 @@ def _legends(figure: Figure, cells: Sequence[Axes], titles: Sequence[str], ax: A
 def draw_loss_map(losses: xr.Dataset, *, ax: Ax = None) -> Figure:
     """Draw efficiency and power lost over speed and load, from what `rustchain.loss_map` found.
 
-    At one speed or one load, they are drawn as curves over the other.
+    Loads have no sign, nor have speeds that are all negative. At one speed or one load, they are
+    drawn as curves over the other.
     """
     names = set(map(str, losses.variables)) if type(losses).__name__ == "Dataset" else set()
     if not {"speed", "torque", "efficiency", "lost"} <= names:
         msg = f"draw_loss_map(losses): got {shown(losses)}; expected what loss_map returned"
         raise InvalidInput(msg)
-    speed, load = losses["speed"].to_numpy(), np.abs(losses["torque"].to_numpy())
+    backward = bool((losses["speed"] < 0.0).all())
+    losses = losses.assign_coords(
+        speed=-losses["speed"] if backward else losses["speed"], torque=np.abs(losses["torque"])
+    ).sortby(["speed", "torque"])
+    speed, load = losses["speed"].to_numpy(), losses["torque"].to_numpy()
     area = min(len(speed), len(load)) > 1
     figure, cells = subplots(1, 2, ax=ax, figsize=(8.0, 3.2), sharey=area)
     for axes, name, scale, label in (

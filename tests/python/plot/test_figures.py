@@ -219,6 +219,14 @@ def test_orders_of_a_part_of_a_revolution_are_points_with_their_distance(brief):
         assert texts_of(right)[0].endswith("revolutions: too few for these orders")
 
 
+def test_a_transmission_error_runs_to_the_right_whatever_the_sign_of_the_speed():
+    for speed in (12.5, -12.5):
+        drive = rc.two_sprocket_drive("ANSI 40", teeth=(17, 25), links=60, speed=speed)
+        result = rc.Simulation(drive).run(5e-3, record=("sprockets",), progress=False)
+        turned = result.plot.transmission_error().axes[0].lines[0].get_xdata()
+        assert turned[-1] == pytest.approx(12.5 * 5e-3 / (2 * np.pi), rel=1e-6)
+
+
 def test_cycles_of_a_part_of_a_revolution_are_called_extrapolated():
     turns = RESULT.pressure_cycles().attrs["revolutions"]
     for figure in (RESULT.plot.pressure_cycles(), RESULT.plot.contact_pressure()):

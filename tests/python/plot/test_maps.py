@@ -177,6 +177,17 @@ def test_losses_at_one_speed_or_one_load_are_curves(speeds, loads):
     assert told.get_text() == ("speed 20 rad/s" if len(speeds) == 1 else "load 2 N m")
 
 
+def test_losses_are_drawn_over_speeds_in_order_and_negative_ones_to_the_right():
+    for speeds in ([10.0, 30.0, 20.0], [-10.0, -30.0, -20.0]):
+        lost = np.abs(speeds)[:, None]
+        losses = xr.Dataset(
+            {"efficiency": (("speed", "torque"), lost), "lost": (("speed", "torque"), lost)},
+            {"speed": speeds, "torque": [np.copysign(2.0, -speeds[0])]},
+        )
+        (line,) = draw_loss_map(losses).axes[1].lines
+        np.testing.assert_array_equal(line.get_data(), [[10.0, 20.0, 30.0]] * 2)
+
+
 def test_a_map_of_what_was_not_measured_is_refused():
     with pytest.raises(rc.InvalidInput, match="did you mean 'force'"):
         draw_map(campaign(), "forse")
