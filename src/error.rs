@@ -105,8 +105,8 @@ impl Error {
     ) -> Self {
         Self::InvalidValue {
             field: field.into(),
-            value: legible(value.to_string()),
-            expected: expected.into(),
+            value: on_one_line(with_exponents(&value.to_string())),
+            expected: with_exponents(&expected.into()),
         }
     }
 }
@@ -117,17 +117,43 @@ const LONGEST_NUMBER: usize = 24;
 /// Maximum number of characters of a value in a message, one line of a terminal. The Python package has the same number.
 const LONGEST_VALUE: usize = 80;
 
-/// Return a text on one line of at most 80 characters; write a number of hundreds of digits with an exponent.
-fn legible(text: String) -> String {
-    match text.parse::<f64>() {
-        Ok(number) if text.len() > LONGEST_NUMBER && number.is_finite() => format!("{number:e}"),
-        _ if text.chars().take(LONGEST_VALUE + 1).count() > LONGEST_VALUE
-            || text.contains('\n') =>
-        {
-            shortened(&text)
+/// Return a text whose numbers of hundreds of digits have an exponent.
+fn with_exponents(text: &str) -> String {
+    let ends_number = |c: char| c.is_whitespace() || "(),;:".contains(c);
+    let words = text.split_inclusive(ends_number);
+    let word = |word: &str| {
+        let number = word.trim_end_matches(ends_number);
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > LONGEST_NUMBER && value.is_finite() => {
+                format!("{value:e}{}", &word[number.len()..])
+            }
+            _ => word.to_string(),
         }
+    };
+    words.map(word).collect()
+}
+
+/// Return a text on one line of at most 80 characters.
+fn on_one_line(text: String) -> String {
+    if text.chars().take(LONGEST_VALUE + 1).count() > LONGEST_VALUE || text.contains('\n') {
+        return shortened(&text);
+    }
+    text
+}
+
+/// Return a number with so many digits behind the point; zero has no sign.
+pub(crate) fn decimal(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(zero) if !zero.contains(|c| ('1'..='9').contains(&c)) => zero.to_string(),
         _ => text,
     }
+}
+
+/// Return two components as [`decimal`] numbers in parentheses.
+pub(crate) fn pair(components: impl Into<[f64; 2]>, digits: usize) -> String {
+    let [x, y] = components.into().map(|value| decimal(value, digits));
+    format!("({x}, {y})")
 }
 
 /// Return the time of an error in a run, in words.
@@ -235,7 +261,7 @@ pub(crate) mod check {
 
 #[cfg(test)]
 mod tests {
-    use super::Error;
+    use super::{Error, pair};
 
     #[test]
     fn a_value_is_said_as_it_was_written() {
@@ -247,6 +273,22 @@ mod tests {
         let name = "a sprocket of forty characters or so".to_string();
         let error = Error::invalid("name", &name, "is odd");
         assert_eq!(error.to_string(), format!("name = {name}: is odd"));
+    }
+
+    #[test]
+    fn long_numbers_within_a_text_have_exponents() {
+        let point = format!("({}, {})", 1e300, -1e-300);
+        let expected = format!("must be below {} m: it is large", f64::MAX);
+        let error = Error::invalid("point", point, expected);
+        assert_eq!(
+            error.to_string(),
+            "point = (1e300, -1e-300): must be below 1.7976931348623157e308 m: it is large"
+        );
+    }
+
+    #[test]
+    fn zeros_of_a_pair_have_no_sign() {
+        assert_eq!(pair([-1e-9, -0.5], 4), "(0.0000, -0.5000)");
     }
 
     #[test]

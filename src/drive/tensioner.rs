@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::belt_line::{BeltLine, pitches, pulleys};
 use super::{ChainEnd, Drive, HingeKind, OpenLine};
-use crate::error::{Error, Result, check};
+use crate::error::{Error, Result, check, decimal, pair};
 use crate::geometry::path::belt::Belt;
 use crate::geometry::path::guide_path;
 use crate::geometry::path::wrap::pitch_radius;
@@ -206,25 +206,34 @@ impl Tensioner {
     /// When the force does not tighten the chain.
     fn share(&self, direction: Vec2, against: Vec2) -> Result<f64> {
         let share = direction.dot(&against);
-        if share < LEAST_SHARE {
-            return Err(Error::invalid(
-                if self.pivot.is_some() {
-                    "Tensioner.pivot"
-                } else {
-                    "Tensioner.direction"
-                },
-                format!("({:.4}, {:.4})", direction.x, direction.y),
-                format!(
-                    "must tighten the chain: sprocket {} moved so takes up {share:.3} of its displacement; along ({:.4}, {:.4}) it \
-                     takes up {:.3}",
-                    self.sprocket,
-                    against.x / against.norm(),
-                    against.y / against.norm(),
-                    against.norm()
-                ),
-            ));
+        if share >= LEAST_SHARE {
+            return Ok(share);
         }
-        Ok(share)
+        let (field, value, motion) = match self.pivot {
+            Some(pivot) => (
+                "Tensioner.pivot",
+                format!("({}, {})", pivot.x, pivot.y),
+                format!(
+                    "its arm moves sprocket {} along {}, which",
+                    self.sprocket,
+                    pair(direction, 4)
+                ),
+            ),
+            None => (
+                "Tensioner.direction",
+                pair(direction, 4),
+                format!("sprocket {} moved so", self.sprocket),
+            ),
+        };
+        let (share, best) = (decimal(share, 3), pair(against.normalize(), 4));
+        let most = against.norm();
+        Err(Error::invalid(
+            field,
+            value,
+            format!(
+                "must tighten the chain: {motion} takes up {share} of its displacement; along {best} it takes up {most:.3}"
+            ),
+        ))
     }
 }
 

@@ -4,7 +4,7 @@ use super::configuration::InitialConfiguration;
 use super::laid_chain::{Lie, START_GAPS};
 use super::report::{GuidePlacement, Layout};
 use crate::drive::{Drive, Mount, Rail, RailShape};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, pair};
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
@@ -46,9 +46,22 @@ impl InitialConfiguration {
             let gap = |angle: f64| gap_beside(middle(angle), angle);
             check_beside_sprockets(drive, number, (middle(rail.angle()), rail.angle()))?;
             let angle = clear_angle(rail, gap).ok_or_else(|| {
-                let (middle, back) = (middle(rail.angle()), rail.direction.normalize());
-                let moved = |by: f64| gap_beside(middle - by * back, rail.angle());
-                overlap(number, rail, -gap(rail.angle()), moved)
+                let middle = middle(rail.angle());
+                let inside = -gap(rail.angle());
+                let moved = |back: Vec2| {
+                    let gap = |by: f64| gap_beside(middle + by * back, rail.angle());
+                    least_displacement(inside, gap) * back
+                };
+                let displacement = match rail.shape {
+                    RailShape::Bar { .. } => moved(-rail.direction.normalize()),
+                    RailShape::Wheel { .. } => {
+                        let across = across(&hinges, middle);
+                        let [one, other] = [moved(across), moved(-across)];
+                        let nearer = one.norm() < other.norm();
+                        if nearer { one } else { other }
+                    }
+                };
+                overlap(number, rail, inside, displacement)
             })?;
             let turn = angle - rail.angle();
             let mut travel = [0.0; 2];
@@ -118,58 +131,80 @@ impl InitialConfiguration {
     }
 }
 
+/// Return a unit vector across the chain at the hinge nearest to a point.
+fn across(hinges: &[Vec2], point: Vec2) -> Vec2 {
+    let distance = |k: &usize| (hinges[*k] - point).norm();
+    let nearest = (0..hinges.len())
+        .min_by(|j, k| distance(j).total_cmp(&distance(k)))
+        .unwrap_or(0);
+    let next = hinges[(nearest + 1).min(hinges.len() - 1)];
+    turned_left(next - hinges[nearest.saturating_sub(1)]).normalize()
+}
+
+/// Return the least displacement \[m\] that clears a guide which overlaps the chain by `inside` \[m\]; `gap` is its gap after a
+/// displacement.
+fn least_displacement(inside: f64, gap: impl Fn(f64) -> f64) -> f64 {
+    let (mut short, mut enough) = (0.0, inside.max(START_GAPS[0]));
+    while gap(enough) <= START_GAPS[0] && enough < 1.0 {
+        (short, enough) = (enough, 2.0 * enough);
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (short + enough);
+        let clear = gap(middle) > START_GAPS[0];
+        (short, enough) = if clear {
+            (short, middle)
+        } else {
+            (middle, enough)
+        };
+    }
+    enough
+}
+
 /// Return the error of a guide that overlaps the chain by `inside` \[m\] at its described position, and at every position of its arm;
-/// `moved` is its gap after a displacement against its direction.
-fn overlap(number: usize, rail: &Rail, inside: f64, moved: impl Fn(f64) -> f64) -> Error {
-    let distance = match rail.shape {
-        RailShape::Wheel { .. } => "more than that".to_string(),
-        RailShape::Bar { .. } => {
-            let (mut short, mut enough) = (0.0, inside);
-            while moved(enough) <= START_GAPS[0] && enough < 1.0 {
-                (short, enough) = (enough, 2.0 * enough);
-            }
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (short + enough);
-                let clear = moved(middle) > START_GAPS[0];
-                (short, enough) = if clear {
-                    (short, middle)
-                } else {
-                    (middle, enough)
-                };
-            }
-            // Rounded up, so that the proposed number is enough.
-            format!("{:.3} mm or more", (1e6 * enough).ceil() / 1e3)
-        }
-    };
+/// after `displacement` it is clear.
+fn overlap(number: usize, rail: &Rail, inside: f64, displacement: Vec2) -> Error {
+    // Rounded up, so that the proposed number is enough.
+    let distance = format!("{:.3} mm or more", (1e6 * displacement.norm()).ceil() / 1e3);
     let (cause, remedy) = match (rail.shape, rail.mount) {
-        (RailShape::Wheel { .. }, _) => ("", ""),
-        (RailShape::Bar { .. }, Mount::Arm(_)) => (", and no rotation of its arm clears it", ""),
+        (RailShape::Wheel { .. }, _) => {
+            let [x, y]: [f64; 2] = rail.center.into();
+            // One micrometre more than enough, for the rounding of the coordinates.
+            let to = rail.center + displacement + 1e-6 * displacement.normalize();
+            (
+                "",
+                format!(
+                    "move SmoothIdler.center = ({x}, {y}) m to {} m",
+                    pair(to, 6)
+                ),
+            )
+        }
+        (RailShape::Bar { .. }, Mount::Arm(_)) => (
+            ", and no rotation of its arm clears it",
+            format!("{} by {distance}", move_back(rail)),
+        ),
         (RailShape::Bar { .. }, _) => (
             "",
-            ", or give it a GuideRail.arm, which starts rotated clear of the chain",
+            format!(
+                "{} by {distance}, or give it a GuideRail.arm, which starts rotated clear of the chain",
+                move_back(rail)
+            ),
         ),
     };
     Error::Impossible(format!(
-        "guide {} overlaps the chain of the initial configuration by {:.3} mm{cause}; {} by {distance}{remedy}",
+        "guide {} overlaps the chain of the initial configuration by {:.3} mm{cause}; {remedy}",
         number + 1,
-        1e3 * inside,
-        move_back(rail)
+        1e3 * inside.max(0.0),
     ))
 }
 
-/// Return the remedy that moves a guide away from the chain.
+/// Return the remedy that moves a rail away from the chain.
 fn move_back(rail: &Rail) -> String {
     let [x, y]: [f64; 2] = rail.center.into();
-    let (kind, back) = match rail.shape {
-        RailShape::Bar { .. } => {
-            // Without negative zeros.
-            let [x, y] = [rail.direction.x + 0.0, rail.direction.y + 0.0];
-            let back = format!("against GuideRail.direction = ({x}, {y})");
-            ("GuideRail", back)
-        }
-        RailShape::Wheel { .. } => ("SmoothIdler", "away from the chain".to_string()),
-    };
-    format!("move {kind}.center = ({x}, {y}) m {back}")
+    // Without negative zeros.
+    let [along_x, along_y] = [rail.direction.x + 0.0, rail.direction.y + 0.0];
+    format!(
+        "move GuideRail.center = ({x}, {y}) m against GuideRail.direction = ({along_x}, {along_y})"
+    )
 }
 
 /// Check that a guide, with its middle and its angle, does not penetrate the body of a sprocket below the seats of its teeth.

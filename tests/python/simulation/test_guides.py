@@ -128,13 +128,34 @@ def test_a_rail_in_the_chain_is_refused_with_how_far(direction: tuple[float, flo
     replace(guided(), guides=[replace(rail, center=(x, y))]).check()
 
 
+@pytest.mark.parametrize(
+    ("radius", "center"),
+    [
+        *[(radius, (0.12, y)) for radius in (0.01, 0.03, 0.06) for y in (0.05, 0.04)],
+        *[(radius, center) for radius in (0.03, 0.06) for center in ((0.13, 0.02), (0.1, -0.06))],
+    ],
+)
+def test_an_idler_in_the_chain_is_refused_with_a_centre_that_is_clear(radius, center):
+    drive = rc.two_sprocket_drive("ANSI 40", teeth=(17, 25), links=60, speed=10.0)
+    idler = rc.SmoothIdler(radius, center)
+    with pytest.raises(rc.InvalidInput) as refused:
+        replace(drive, guides=[idler]).check()
+    said = re.search(
+        r"; move SmoothIdler\.center = \(.*\) m to \((.*), (.*)\) m$", str(refused.value)
+    )
+    assert said, refused.value
+    clear = (float(said[1]), float(said[2]))
+    replace(drive, guides=[replace(idler, center=clear)]).check()
+    assert math.dist(clear, center) < 2 * radius + 0.02
+
+
 def test_a_blade_and_an_idler_in_the_chain_are_refused_with_fields_of_their_own():
     arm = rc.GuideArm(pivot=(0.12, -0.052), force=40.0)  # in the strand, and the rail about it
     blade = replace(guided().guides[0], center=(0.136, -0.052), arm=arm)
     with pytest.raises(rc.InvalidInput, match="no rotation of its arm clears it; move GuideRail"):
         replace(guided(), guides=[blade]).check()
     idler = rc.SmoothIdler(0.01, (0.136, 0.04))
-    with pytest.raises(rc.InvalidInput, match=r"move SmoothIdler\.center = .* away from the chain"):
+    with pytest.raises(rc.InvalidInput, match=r"move SmoothIdler\.center = .* m to \("):
         replace(guided(), guides=[idler]).check()
 
 
