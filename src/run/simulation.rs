@@ -61,6 +61,9 @@ const STEPS_FOR_ONE_TIMED: u32 = 16;
 /// twice this value, the energy balance of drives that move at six times the error would not be checked.
 const SPEEDS_AT_REST: f64 = 3.0;
 
+/// Longest time of a run \[s\], 30 years, at whose end times are rounded to 0.1 µs. No run reaches it: a longer one is a mistake.
+const LONGEST: f64 = 1e9;
+
 impl<S: System> Simulation<S> {
     /// Return a run of `system` from the present state of `adams`.
     pub(super) fn of(system: S, adams: Adams) -> Self {
@@ -209,6 +212,11 @@ impl<S: System> Simulation<S> {
     /// # Errors
     /// If the integrator cannot continue: time, step size, body and contact. The present time is then the end of the last accepted step.
     pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
+        let now = self.now;
+        if target - now > LONGEST {
+            let expected = format!("must be at most {LONGEST:e} s after the present time, {now} s");
+            return Err(Error::invalid("t", target, expected));
+        }
         if self.recorder.is_none() {
             // Without a recording the energy sums are not used, and the quadrature is switched off.
             self.system.stop_metering();
@@ -362,6 +370,10 @@ impl<S: System> Simulation<S> {
 /// The error has the field, its value and the permitted range.
 pub fn check_reports(duration: f64, report_step: f64) -> Result<()> {
     check::positive("duration", duration, "s")?;
+    if duration > LONGEST {
+        let expected = format!("must be at most {LONGEST:e} s");
+        return Err(Error::invalid("duration", duration, expected));
+    }
     check::positive("report_step", report_step, "s")?;
     if duration / report_step > 1e9 {
         return Err(Error::invalid(

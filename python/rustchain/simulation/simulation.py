@@ -115,7 +115,9 @@ class Simulation(Present):
     def step_to(self, t: Number) -> None:
         """Continue to exactly `t` [s].
 
-        The energy balance is not integrated, which makes it the fastest way to advance.
+        The energy balance is not integrated, which makes it the fastest way to advance. There is
+        no progress bar; Ctrl-C raises `KeyboardInterrupt`, and the simulation stands at the time
+        that it has reached. At most 1e9 s at a time.
         """
         self._check_idle("step_to")
         end = plain(t)

@@ -210,6 +210,7 @@ CALLS = {
 }
 ARGUMENTS = [
     *[("duration", value, "must be a positive number in s") for value in (NAN, INF, -1.0, 0.0)],
+    ("duration", 1e300, "must be at most 1e9 s"),
     *[("duration", value, "must be a number in s") for value in ("1", None, True, 1j)],
     *[("report_step", value, "must be a positive number in s") for value in (NAN, INF, -1e-4, 0)],
     *[("report_step", value, "must be a number in s") for value in ("1", None, True, 1j)],
@@ -217,6 +218,7 @@ ARGUMENTS = [
     *[("energy", value, "must be True or False") for value in ("no", 2)],
     *[("t", value, "must be a number in s") for value in ("1", None, True, 1j)],
     *[("t", value, "must not lie before the present time, 0.0005 s") for value in (0.0, 4.9e-4)],
+    ("t", 1e300, "must be at most 1e9 s after the present time, 0.0005 s"),
     *[("t", value, "must be a finite number in s") for value in (NAN, INF, -INF)],
     *[("time", value, "must be a number in s") for value in ("1", True, 1j)],
     *[("time", value, "must be a finite number in s") for value in (NAN, INF)],
