@@ -98,7 +98,7 @@ impl Sprocket {
                 "Sprocket.teeth",
                 self.teeth,
                 format!(
-                    "must be between {fewest} and {most}: {} holds from {fewest} on",
+                    "must be between {fewest} and {most}, the range of {}",
                     self.profile.name()
                 ),
             ));

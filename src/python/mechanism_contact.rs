@@ -3,7 +3,8 @@
 use pyo3::prelude::*;
 
 use super::describe::{
-    Reader, chain, law_and_friction, material, number, refuse, sprocket, tribology, truth,
+    LAWS, Reader, chain, kind_of, law_and_friction, material, number, refuse, sprocket, tribology,
+    truth,
 };
 use super::mechanism_fields::{markers, pairs, text};
 use crate::geometry::Vec2;
@@ -89,6 +90,13 @@ fn surfaces(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
 
 fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
     let kinds = ["LinearContact", "HuntCrossley", "SurfaceContact"];
+    let given = kind_of(object);
+    if LAWS.contains(&given.as_str()) {
+        let expected = format!(
+            "is a force law; expected a contact law, such as SurfaceContact(law={given}(...), length=...)"
+        );
+        return Err(refuse("law", object, &expected));
+    }
     let read = Reader::new(object, "law", &kinds)?;
     Ok(match read.kind.as_str() {
         "LinearContact" => {

@@ -37,17 +37,20 @@ impl ContactPair {
         if self.a.body == self.b.body {
             return Err((self.a).same_body(&field, ": a body does not touch itself"));
         }
-        check::positive(&format!("radius of {field}"), self.radius, "m")?;
+        let name = match self.profile {
+            Profile::Bore { .. } => "pin_radius",
+            Profile::Disc { .. } => "radius_b",
+            Profile::Teeth(_) | Profile::Outline { .. } => "radius",
+        };
+        check::positive(&format!("{name} of {field}"), self.radius, "m")?;
         self.profile.validate(&field)?;
         if let Profile::Bore { radius } = self.profile
             && self.radius >= radius
         {
             return Err(Error::invalid(
-                format!("pin radius of {field}"),
+                format!("{name} of {field}"),
                 format!("{} m", self.radius),
-                format!(
-                    "must be below the bore's radius, {radius} m: the difference is the clearance"
-                ),
+                format!("must be below bore_radius, {radius} m: the difference is the clearance"),
             ));
         }
         self.law.validate(&field)?;

@@ -107,8 +107,11 @@ impl Profile {
     /// An invalid value; the message has `field`, the value and the permitted values.
     pub fn validate(&self, field: &str) -> Result<()> {
         let (pieces, closed) = match self {
-            Self::Bore { radius } | Self::Disc { radius } => {
-                return check::positive(&format!("radius of {field}"), *radius, "m");
+            Self::Bore { radius } => {
+                return check::positive(&format!("bore_radius of {field}"), *radius, "m");
+            }
+            Self::Disc { radius } => {
+                return check::positive(&format!("radius_a of {field}"), *radius, "m");
             }
             Self::Teeth(_) => return Ok(()),
             Self::Outline { pieces, closed } => (pieces, closed),

@@ -10,7 +10,7 @@ use crate::force_law::{
 };
 use crate::multibody::{FrictionLaw, Tribology};
 
-pub(super) const LAWS: [&str; 9] = [
+pub(crate) const LAWS: [&str; 9] = [
     "LankaraniNikravesh",
     "Hertz",
     "Johnson",

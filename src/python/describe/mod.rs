@@ -15,8 +15,8 @@ use super::errors::InvalidInput;
 use crate::drive::{Drive, HingeKind};
 use chain::{hinge, link, plates, roller};
 use ends::{ENDS, chain_ends};
-use laws::{LAWS, film_of, friction_law};
-use reader::{SIGNALS, kind_of};
+use laws::{film_of, friction_law};
+use reader::SIGNALS;
 use sprocket::motion;
 use teeth::{FORMS, outline_piece, tooth_form};
 use tightening::{arm, tensioner};
@@ -24,10 +24,11 @@ use tightening::{arm, tensioner};
 pub(super) use chain::{chain, material};
 pub(super) use ends::chain_end;
 pub(super) use laws::{
-    damping, film, force_laws, friction, law_and_friction, law_of, min_impact_velocity, tribology,
+    LAWS, damping, film, force_laws, friction, law_and_friction, law_of, min_impact_velocity,
+    tribology,
 };
 pub(super) use reader::{
-    Reader, count, finite, number, refuse, shown, signal, table, truth, two_teeth,
+    Reader, count, finite, kind_of, number, refuse, shown, signal, table, truth, two_teeth,
 };
 pub(super) use run::{drive_groups, mechanism_groups, reports, solver};
 pub(super) use sprocket::sprocket;

@@ -253,7 +253,10 @@ pub(crate) fn table(
     };
     let rows = match given.cast::<PyTuple>() {
         Ok(given) => rows(given, name, axis, unit)?,
-        Err(_) => vec![(0.0, finite(&given, name, unit)?)],
+        Err(_) => {
+            let forms = format!("{unit}, or rows ({}, value), or a Table", axis.0);
+            vec![(0.0, finite(&given, name, &forms)?)]
+        }
     };
     Ok(Table::against(name, axis, unit, &rows)?)
 }
@@ -299,7 +302,7 @@ fn with_articles(kinds: &[&str]) -> String {
 /// Return the name of an object's class.
 ///
 /// Python's `str`, which `Display` calls, looks for signals: a Ctrl-C there would take the name.
-pub(super) fn kind_of(object: &Bound<'_, PyAny>) -> String {
+pub(crate) fn kind_of(object: &Bound<'_, PyAny>) -> String {
     object.get_type().name().map_or_else(
         |_| String::new(),
         |name| name.to_string_lossy().into_owned(),

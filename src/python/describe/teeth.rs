@@ -1,9 +1,8 @@
 //! Readers of the tooth forms of sprockets.
 
 use pyo3::prelude::*;
-use pyo3::types::PyString;
 
-use super::reader::{Reader, number};
+use super::reader::{Reader, number, refuse};
 use crate::drive::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
 use crate::geometry::{OutlinePiece, Seat};
 
@@ -56,10 +55,14 @@ pub(super) fn tooth_form(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Too
 /// Read the position between the minimum gap (0) and the maximum gap (1), or one of the two by name.
 fn iso_gap(read: &Reader<'_, '_>) -> PyResult<f64> {
     let gap = read.get("gap")?;
-    if gap.is_instance_of::<PyString>() {
-        return read.word("gap", &[("minimum", 0.0), ("maximum", 1.0)]);
+    match gap.extract::<&str>() {
+        Ok("minimum") => Ok(0.0),
+        Ok("maximum") => Ok(1.0),
+        _ => number(&gap, "IsoTooth.gap", "1").map_err(|_| {
+            let expected = "must be a number from 0 to 1, or \"minimum\" or \"maximum\"";
+            refuse("IsoTooth.gap", &gap, expected)
+        }),
     }
-    number(&gap, "IsoTooth.gap", "1")
 }
 
 pub(super) fn outline_piece(object: &Bound<'_, PyAny>, field: &str) -> PyResult<OutlinePiece> {

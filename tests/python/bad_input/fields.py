@@ -193,7 +193,10 @@ FIELDS = {
     "IsoTooth": {
         "gap": [
             *[(value, "must be between 0 and 1") for value in (*FINITE, -0.1, 1.1)],
-            *[(value, 'must be "minimum" or "maximum"') for value in ("", "1", "medium")],
+            *[
+                (value, 'must be a number from 0 to 1, or "minimum" or "maximum"')
+                for value in ("", "1", "medium")
+            ],
             *[(value, "must be a number") for value in (None, True, (), object)],
         ],
         "seat": SEAT,

@@ -126,6 +126,32 @@ def test_numbers_in_a_row_are_told_as_they_were_given(given):
         assert "; expected " in str(caught.value)
 
 
+@pytest.mark.parametrize("teeth", [4, 1001])
+def test_teeth_beyond_a_profile_are_told_its_range(teeth):
+    says = f"Sprocket.teeth = {teeth}: must be between 5 and 1000, the range of AnsiTooth$"
+    with pytest.raises(rc.InvalidInput, match=says):
+        rc.Sprocket(teeth)
+
+
+def test_what_is_no_curve_is_told_every_form():
+    says = r"curve = 'x': must be a number in N m, or rows \(speed, value\), or a Table$"
+    with pytest.raises(rc.InvalidInput, match=says):
+        rc.AppliedTorque(curve="x")
+
+
+def test_a_pivot_that_does_not_tighten_is_told_with_the_direction_of_its_arm():
+    pair = rc.two_sprocket_drive("ANSI 40", teeth=(17, 25), links=60, speed=10.0)
+    x, y = pair.sprockets[1].center
+    tensioner = rc.Tensioner(25.0, pivot=(x + 0.2, y))
+    with pytest.raises(rc.InvalidInput) as caught:
+        replace(pair, tensioner=tensioner).check()
+    assert str(caught.value) == (
+        f"Tensioner.pivot = ({x + 0.2}, {y:g}): must tighten the chain: its arm moves sprocket 2 "
+        "along (0.0000, -1.0000), which takes up 0.000 of its displacement; along (1.0000, 0.0000) "
+        "it takes up 1.996"
+    )
+
+
 def sprockets(**changes):
     return [replace(sprocket, **changes) for sprocket in DRIVE.sprockets]
 

@@ -63,17 +63,48 @@ def with_pin(law, pin_radius=0.02):
         (with_spring, 'stiffness of force "strut" = 0: .*does nothing'),
         (
             lambda: with_pin(rc.LinearContact(1e6)),
-            'pin radius of contact "pivot" = 0.02 m: must be below the bore\'s radius, 0.02 m',
+            'pin_radius of contact "pivot" = 0.02 m: must be below bore_radius, 0.02 m',
         ),
         (
             lambda: with_pin(rc.SurfaceContact(), 0.021),
-            'pin radius of contact "pivot" = 0.021 m: must be below the bore\'s radius, 0.02 m',
+            'pin_radius of contact "pivot" = 0.021 m: must be below bore_radius, 0.02 m',
         ),
     ],
 )
 def test_what_cannot_be_or_does_nothing_is_refused(make, says):
     with pytest.raises(rc.InvalidInput, match=says):
         make().check()
+
+
+def test_a_radius_is_refused_by_its_argument():
+    law, bodies = rc.LinearContact(1e6), ("ground", "bar")
+    for add, bad, field in (
+        ("add_clearance_joint", (0.0, 0.01), "bore_radius"),
+        ("add_clearance_joint", (0.02, -0.01), "pin_radius"),
+        ("add_disc_contact", (-0.02, 0.01), "radius_a"),
+        ("add_disc_contact", (0.02, 0.0), "radius_b"),
+    ):
+        mechanism = pendulum()
+        getattr(mechanism, add)("x", *bodies, *bad, law)
+        with pytest.raises(rc.InvalidInput, match=f'^{field} of contact "x" = .*: must be a posit'):
+            mechanism.check()
+
+
+def test_a_number_of_hundreds_of_digits_is_told_with_its_exponent():
+    with pytest.raises(rc.InvalidInput, match=r"= 1e300 m: must be below bore_radius, 0.02 m"):
+        with_pin(rc.LinearContact(1e6), 1e300).check()
+    with pytest.raises(rc.InvalidInput, match=r"Table.rows = 1e299 after 1e300: "):
+        rc.Table([(1e300, 1.0), (1e299, 1.0)])
+
+
+def test_a_force_law_of_a_contact_is_sent_to_a_surface_contact():
+    mechanism = pendulum()
+    says = (
+        r"is a force law; expected .* as SurfaceContact\(law=EnhancedCylinder\(...\), length=...\)"
+    )
+    mechanism.add_disc_contact("x", "ground", "bar", 0.1, 0.1, rc.EnhancedCylinder())
+    with pytest.raises(rc.InvalidInput, match=says):
+        mechanism.check()
 
 
 def test_a_direction_that_is_none_is_told_as_it_was_given():
