@@ -8,6 +8,8 @@ use crate::error::{Error, Result, pair};
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
+/// Distance by which a proposed centre is farther than enough \[m\], for the rounding of the coordinates that are printed.
+const MORE_THAN_ENOUGH: f64 = 1e-6;
 /// Largest rotation of an arm from its described position \[rad\].
 const FARTHEST_SWING: f64 = 1.0;
 /// Points per arc of an outline that is checked against sprockets.
@@ -168,8 +170,7 @@ fn overlap(number: usize, rail: &Rail, inside: f64, displacement: Vec2) -> Error
     let (cause, remedy) = match (rail.shape, rail.mount) {
         (RailShape::Wheel { .. }, _) => {
             let [x, y]: [f64; 2] = rail.center.into();
-            // One micrometre more than enough, for the rounding of the coordinates.
-            let to = rail.center + displacement + 1e-6 * displacement.normalize();
+            let to = rail.center + displacement + MORE_THAN_ENOUGH * displacement.normalize();
             (
                 "",
                 format!(

@@ -62,6 +62,54 @@ fn the_matrix_is_that_of_finite_differences_but_for_angles_turned_in_a_step() {
     }
 }
 
+/// A step's matrix has single precision, one that may be indefinite double precision. The matrix neglects some 1e-2 of a correction.
+#[test]
+fn single_precision_changes_a_correction_by_a_ten_thousandth_at_most() {
+    for (scene, run) in pressed_scenes() {
+        let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
+        let mut dynamics = run.dynamics().clone();
+        let nq = dynamics.coordinates();
+        let mut slope = vec![0.0; y.len()];
+        dynamics.accelerations_with_slopes(t, &y, &mut slope);
+        let mut corrected = |gamma: f64, indefinite: bool| {
+            let regular = if indefinite {
+                dynamics.factorise_indefinite(gamma)
+            } else {
+                dynamics.factorise(&y, gamma)
+            };
+            assert!(regular, "{scene} {gamma:e}");
+            let mut correction = slope[nq..].to_vec();
+            dynamics.correct(&mut correction);
+            correction
+        };
+        for (gamma, bound) in [
+            (1e-9, 1e-6),
+            (1e-7, 1e-6),
+            (1e-6, 1e-6),
+            (1e-5, 3e-6),
+            (2.9e-5, 1e-4),
+        ] {
+            let (single, double) = (corrected(gamma, false), corrected(gamma, true));
+            let largest = double
+                .iter()
+                .fold(0.0f64, |largest, x| largest.max(x.abs()));
+            let error =
+                (single.iter().zip(&double)).fold(0.0f64, |error, (a, b)| error.max((a - b).abs()));
+            assert!(
+                error < bound * largest,
+                "{scene} {gamma:e}: {:e}",
+                error / largest
+            );
+            assert!(
+                error > 0.0,
+                "{scene} {gamma:e}: both have the same precision"
+            );
+        }
+        // Longer steps have double precision, too.
+        assert_eq!(corrected(3.1e-5, false), corrected(3.1e-5, true), "{scene}");
+    }
+}
+
 /// Errors of the corrected dissipated and external power and of the largest error of a force, and the changes of the dissipated power and
 /// of this force by the correction. The residual of the velocities is `part` of γ times the accelerations.
 fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 5] {

@@ -1,23 +1,21 @@
 //! 2x2 blocks of eight hinges in the lanes of one or several SIMD vectors.
 
-use pulp::Simd;
-
-use crate::math::simd::{Lanes, Mask, Pack8, WIDTH, parts, read, rotated};
+use crate::math::simd::{Lanes, Mask, Pack8, Vectors, WIDTH, parts, read, rotated};
 
 /// One SIMD vector of symmetric 2x2 blocks: xx, yy, xy.
 #[derive(Clone, Copy)]
-pub(super) struct Symmetric<S: Simd>(pub(super) [Lanes<S>; 3]);
+pub(super) struct Symmetric<S: Vectors>(pub(super) [Lanes<S>; 3]);
 
 /// One SIMD vector of 2x2 blocks in row-major order: xx, xy, yx, yy.
 #[derive(Clone, Copy)]
-pub(super) struct Block<S: Simd>(pub(super) [Lanes<S>; 4]);
+pub(super) struct Block<S: Vectors>(pub(super) [Lanes<S>; 4]);
 
 /// One SIMD vector of pairs x, y.
 #[derive(Clone, Copy)]
-pub(super) struct Vector<S: Simd>(pub(super) [Lanes<S>; 2]);
+pub(super) struct Vector<S: Vectors>(pub(super) [Lanes<S>; 2]);
 
 /// Type composed of `N` SIMD vectors.
-pub(super) trait Registers<S: Simd, const N: usize>: Copy {
+pub(super) trait Registers<S: Vectors, const N: usize>: Copy {
     /// Return the SIMD vectors.
     fn registers(self) -> [Lanes<S>; N];
     /// Compose from SIMD vectors.
@@ -26,7 +24,7 @@ pub(super) trait Registers<S: Simd, const N: usize>: Copy {
 
 macro_rules! registers {
     ($name:ident, $count:literal) => {
-        impl<S: Simd> Registers<S, $count> for $name<S> {
+        impl<S: Vectors> Registers<S, $count> for $name<S> {
             #[inline(always)]
             fn registers(self) -> [Lanes<S>; $count] {
                 self.0
@@ -37,10 +35,10 @@ macro_rules! registers {
             }
         }
 
-        impl<S: Simd> $name<S> {
+        impl<S: Vectors> $name<S> {
             /// Read vector `part` of these packs.
             #[inline(always)]
-            pub(super) fn read(simd: S, packs8: &[Pack8; $count], part: usize) -> Self {
+            pub(super) fn read(simd: S, packs8: &[Pack8<S::Number>; $count], part: usize) -> Self {
                 Self(read(simd, packs8, part))
             }
 
@@ -59,7 +57,7 @@ registers!(Vector, 2);
 
 /// Return the eight numbers rotated to the right: lane k holds the value of lane k - `distance`, cyclically.
 #[inline(always)]
-pub(super) fn from_left<S: Simd, T: Registers<S, N>, const N: usize>(
+pub(super) fn from_left<S: Vectors, T: Registers<S, N>, const N: usize>(
     simd: S,
     pack8: [T; WIDTH],
     distance: usize,
@@ -69,7 +67,7 @@ pub(super) fn from_left<S: Simd, T: Registers<S, N>, const N: usize>(
 
 /// Return the eight numbers rotated to the left: lane k holds the value of lane k + `distance`, cyclically.
 #[inline(always)]
-pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
+pub(super) fn from_right<S: Vectors, T: Registers<S, N>, const N: usize>(
     simd: S,
     pack8: [T; WIDTH],
     distance: usize,
@@ -95,7 +93,7 @@ pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
     turned
 }
 
-impl<S: Simd> Symmetric<S> {
+impl<S: Vectors> Symmetric<S> {
     /// Return the inverse [d -b; -b a]/(a d - b²); set `irregular` where a block is not positive definite.
     #[inline(always)]
     pub(super) fn inverse(&self, irregular: &mut Mask<S>) -> Self {
@@ -137,6 +135,24 @@ impl<S: Simd> Symmetric<S> {
         Vector([a.mul_add(x, b * y), b.mul_add(x, d * y)])
     }
 
+    /// Return self + other.
+    #[inline(always)]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        let mut sum = *self;
+        for (entry, other) in sum.0.iter_mut().zip(other.0) {
+            *entry = *entry + other;
+        }
+        sum
+    }
+
+    /// Return self m self.
+    #[inline(always)]
+    pub(super) fn between(&self, m: &Self) -> Self {
+        let [a, d, b] = self.0;
+        let own = Block([a, b, b, d]);
+        own.transposed_times(&m.times_block(&own))
+    }
+
     /// Subtract `other`.
     #[inline(always)]
     pub(super) fn subtract(&mut self, other: &Self) {
@@ -170,7 +186,7 @@ impl<S: Simd> Symmetric<S> {
     }
 }
 
-impl<S: Simd> Block<S> {
+impl<S: Vectors> Block<S> {
     /// Return selfᵀ.
     #[inline(always)]
     pub(super) fn transposed(&self) -> Self {
@@ -262,7 +278,7 @@ impl<S: Simd> Block<S> {
     }
 }
 
-impl<S: Simd> Vector<S> {
+impl<S: Vectors> Vector<S> {
     /// Add `other`.
     #[inline(always)]
     pub(super) fn add(&mut self, other: &Self) {

@@ -1,21 +1,24 @@
 //! Stiffness of the contacts between bushings and the bores of rollers, with and without friction.
 
-use pulp::Simd;
-
 use super::blocks::Symmetric;
 use super::contacts::scaled;
 use super::spatial::Spatial;
 use crate::chain::arrays::slopes::{FrictionGroup, SlopeGroup};
-use crate::math::simd::{Lanes, Mask, Pack8, read};
+use crate::math::simd::{Lanes, Mask, Pack8, Vectors, read_rounded};
 
 /// Return the stiffness of bores without friction, α n n^T + η t t^T: xx, yy, xy; zero without contact.
 #[inline(always)]
-pub(super) fn bore<S: Simd>(simd: S, gamma: f64, slopes: &SlopeGroup, part: usize) -> Symmetric<S> {
+pub(super) fn bore<S: Vectors>(
+    simd: S,
+    gamma: f64,
+    slopes: &SlopeGroup,
+    part: usize,
+) -> Symmetric<S> {
     let zero = Lanes::splat(simd, 0.0);
-    let bears = slopes.force.at(simd, part).greater(zero);
+    let bears = slopes.force.rounded(simd, part).greater(zero);
     let [alpha, eta] = scaled(gamma, simd, slopes, part);
     let (alpha, eta) = (bears.select(alpha, zero), bears.select(eta, zero));
-    let [nx, ny] = read(simd, &slopes.normal, part);
+    let [nx, ny] = read_rounded(simd, &slopes.normal, part);
     Symmetric([
         alpha.mul_add(nx * nx, eta * (ny * ny)),
         alpha.mul_add(ny * ny, eta * (nx * nx)),
@@ -24,14 +27,14 @@ pub(super) fn bore<S: Simd>(simd: S, gamma: f64, slopes: &SlopeGroup, part: usiz
 }
 
 /// Friction of bushings in bores: τ along `across` at the contact, with its positions along the normal from both centres.
-pub(super) struct BoreFriction<S: Simd> {
+pub(super) struct BoreFriction<S: Vectors> {
     tau: Lanes<S>,
     across: [Lanes<S>; 2],
     pub(super) of_roller: Lanes<S>,
     pub(super) of_bushing: Lanes<S>,
 }
 
-impl<S: Simd> BoreFriction<S> {
+impl<S: Vectors> BoreFriction<S> {
     /// Return the friction of vector `part` of bores.
     #[inline(always)]
     pub(super) fn new(
@@ -41,10 +44,10 @@ impl<S: Simd> BoreFriction<S> {
         slopes: &FrictionGroup,
         part: usize,
     ) -> Self {
-        let [nx, ny] = read(simd, normal, part);
-        let [of_roller, of_bushing] = read(simd, &slopes.places, part);
+        let [nx, ny] = read_rounded(simd, normal, part);
+        let [of_roller, of_bushing] = read_rounded(simd, &slopes.places, part);
         Self {
-            tau: Lanes::splat(simd, gamma) * slopes.slope.at(simd, part),
+            tau: Lanes::splat(simd, gamma) * slopes.slope.rounded(simd, part),
             across: [-ny, nx],
             of_roller,
             of_bushing,

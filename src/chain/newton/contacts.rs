@@ -13,50 +13,77 @@
 //! the rotation of the bodies. η and τ together act as η + τ at arms multiplied by τ/(η + τ). The change of friction with the
 //! normal force, μ α, is neglected: it is not symmetric.
 
-use pulp::Simd;
-
-use super::ring::{BASE, HingeBlocks, hinge_vectors};
+use super::ring::{BASE, hinge_numbers, hinge_vectors};
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
-use crate::math::simd::{Lanes, Numbers, padded_zeros, parts, read, vectors_mut};
+use crate::math::simd::{
+    Lanes, Number, Numbers, Pack, Vectors, packs, padded_zeros, parts, read_rounded, vectors_mut,
+};
 
 /// Return α and η of vector `part` of these contacts.
 #[inline(always)]
-pub(super) fn scaled<S: Simd>(
+pub(super) fn scaled<S: Vectors>(
     gamma: f64,
     simd: S,
     slopes: &SlopeGroup,
     part: usize,
 ) -> [Lanes<S>; 2] {
     let gamma_squared = Lanes::splat(simd, gamma * gamma);
-    let damping = Lanes::splat(simd, gamma) * slopes.damping.at(simd, part);
-    let turn = slopes.force.at(simd, part) * slopes.curvature.at(simd, part);
+    let damping = Lanes::splat(simd, gamma) * slopes.damping.rounded(simd, part);
+    let turn = slopes.force.rounded(simd, part) * slopes.curvature.rounded(simd, part);
     [
-        gamma_squared.mul_add(slopes.stiffness.at(simd, part), damping),
+        gamma_squared.mul_add(slopes.stiffness.rounded(simd, part), damping),
         gamma_squared * turn,
     ]
 }
 
-/// Lower bound of α \[kg\]. It limits the compliance of a contact at its onset.
+/// Lower bound of a divisor, by which zero over zero becomes zero \[kg\]. It is far below the stiffness of a contact that has any effect.
 pub(super) const LEAST: f64 = 1e-20;
 
-/// Lower bound of η/α. The stiffness across the normal decreases with the penetration. Below this share it has no effect on the
-/// motion.
-pub(super) const LEAST_SHARE: f64 = 1e-10;
-
-/// Flags of the hinges that transmit force: one or zero. A copy of the last one precedes the first, which is at entry [`BASE`].
+/// Square roots L of the stiffness of the hinges, L² = α n n^T + η t t^T: xx, yy, xy; zero where no force is transmitted. Hinge k is at
+/// [`BASE`] + k; a copy of the last one precedes the first.
 #[derive(Debug, Clone)]
-pub(super) struct LoadedHinges {
-    pub(super) hinges: Numbers,
+pub(super) struct HingeRoots<T: Number> {
+    pub(super) roots: [Numbers<T>; 3],
     /// Whether any hinge transmits force.
     pub(super) any: bool,
+    /// The diagonal of the ring without links: one, or zero where hinges are ideal.
+    pub(super) unit: f64,
 }
 
-impl LoadedHinges {
-    /// Allocate the flags of `hinges`.
+impl<T: Number> HingeRoots<T> {
+    /// Allocate the roots of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         Self {
-            hinges: padded_zeros(BASE + hinges),
+            roots: [(); 3].map(|()| hinge_numbers(hinges)),
             any: false,
+            unit: 1.0,
+        }
+    }
+
+    /// Give ideal hinges the root one: they have no compliance.
+    pub(super) fn assemble_ideal(&mut self, hinges: usize) {
+        (self.any, self.unit) = (true, 0.0);
+        for (roots, value) in self.roots.iter_mut().zip([1.0, 1.0, 0.0]) {
+            roots[BASE..][..hinges].fill(T::nearest(value));
+        }
+    }
+
+    /// Return the first `count` packs of hinges: xx, yy, xy.
+    #[inline(always)]
+    pub(super) fn packs(&self, count: usize) -> [&[Pack<T>]; 3] {
+        let [xx, yy, xy] = &self.roots;
+        [
+            packs(&xx[BASE..], count),
+            packs(&yy[BASE..], count),
+            packs(&xy[BASE..], count),
+        ]
+    }
+
+    /// Copy the last hinge to the entry before the first.
+    #[inline(always)]
+    pub(super) fn repeat_last(&mut self, hinges: usize) {
+        for roots in &mut self.roots {
+            roots[BASE - 1] = roots[BASE + hinges - 1];
         }
     }
 }
@@ -64,14 +91,14 @@ impl LoadedHinges {
 /// Arms of the contact points of hinges with friction from the centres of the ends, along t, times τ/(η + τ) \[m\]. Hinge k is at
 /// [`BASE`] + k; a copy of the last one precedes the first.
 #[derive(Debug, Clone)]
-pub(super) struct FrictionArms {
+pub(super) struct FrictionArms<T: Number> {
     /// Arms from fronts, x and y.
-    pub(super) front: [Numbers; 2],
+    pub(super) front: [Numbers<T>; 2],
     /// Arms from rears, x and y.
-    pub(super) rear: [Numbers; 2],
+    pub(super) rear: [Numbers<T>; 2],
 }
 
-impl FrictionArms {
+impl<T: Number> FrictionArms<T> {
     /// Allocate the arms of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         let zeros = || padded_zeros(BASE + hinges);
@@ -91,14 +118,14 @@ impl FrictionArms {
 
     /// Write the arms of vector `i` of hinges: position along n times `share`, in the direction t = (-ny, nx).
     #[inline(always)]
-    pub(super) fn put<S: Simd>(
+    pub(super) fn put<S: Vectors<Number = T>>(
         &mut self,
         i: usize,
         [nx, ny]: [Lanes<S>; 2],
         share: Lanes<S>,
         [front, rear]: [Lanes<S>; 2],
     ) {
-        let from = BASE + i * S::F64_LANES;
+        let from = BASE + i * S::LANES;
         let (front, rear) = (share * front, share * rear);
         let [x, y] = &mut self.front;
         vectors_mut::<S>(&mut x[from..], 1)[0] = (-(front * ny)).values();
@@ -109,83 +136,53 @@ impl FrictionArms {
     }
 }
 
-/// Initialise the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η. Hinges without force get the identity.
-/// `FRICTION`: with friction, η + τ in the place of η; only then `arms` are written.
+/// Write the roots of the stiffness of each hinge; zero for hinges without force. `FRICTION`: with friction, η + τ in the place of η; only
+/// then `arms` are written.
 #[inline(always)]
-pub(super) fn assemble_compliance<S: Simd, const FRICTION: bool>(
+pub(super) fn assemble_roots<S: Vectors, const FRICTION: bool>(
     simd: S,
     gamma: f64,
     hinges: &ContactSlopes,
-    loaded: &mut LoadedHinges,
-    blocks: &mut HingeBlocks,
-    arms: &mut FrictionArms,
+    to: &mut HingeRoots<S::Number>,
+    arms: &mut FrictionArms<S::Number>,
 ) {
     let slopes = &hinges.normal;
-    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
-    loaded.any = false;
+    let zero = Lanes::splat(simd, 0.0);
+    to.any = false;
     let groups = slopes.len();
-    let count = groups * parts::<S>().len();
-    let bearing = vectors_mut::<S>(&mut loaded.hinges[BASE..], count);
-    let [own_xx, own_yy, own_xy] = hinge_vectors::<S>(&mut blocks.compliance, count);
+    let [root_xx, root_yy, root_xy] =
+        hinge_vectors::<S>(&mut to.roots, groups * parts::<S>().len());
     for number in 0..groups {
         let slopes = &slopes[number];
         for part in parts::<S>() {
             let i = number * parts::<S>().len() + part;
-            let bears = slopes.force.at(simd, part).greater(zero);
-            bearing[i] = bears.select(one, zero).values();
+            let bears = slopes.force.rounded(simd, part).greater(zero);
             if !bears.any() {
-                own_xx[i] = one.values();
-                own_yy[i] = one.values();
-                own_xy[i] = zero.values();
+                root_xx[i] = zero.values();
+                root_yy[i] = zero.values();
+                root_xy[i] = zero.values();
                 if FRICTION {
                     arms.put(i, [zero; 2], zero, [zero; 2]);
                 }
                 continue;
             }
-            loaded.any = true;
-            let [alpha, eta] = scaled(gamma, simd, slopes, part);
-            let alpha = bears.select(alpha.max(least), one);
-            let mut eta = bears.select(eta.max(alpha * least_share), one);
-            let (nx, ny) = (
-                slopes.normal[0].at(simd, part),
-                slopes.normal[1].at(simd, part),
-            );
+            to.any = true;
+            let [alpha, mut eta] = scaled(gamma, simd, slopes, part);
+            let [nx, ny] = read_rounded(simd, &slopes.normal, part);
             if FRICTION {
                 let friction = &hinges.friction[number];
-                let tau = Lanes::splat(simd, gamma) * friction.slope.at(simd, part);
-                let both = eta + tau;
-                let places = read(simd, &friction.places, part);
-                arms.put(i, [nx, ny], tau / both, places);
-                eta = both;
+                let tau = Lanes::splat(simd, gamma) * friction.slope.rounded(simd, part);
+                eta = eta + tau;
+                let places = read_rounded(simd, &friction.places, part);
+                arms.put(i, [nx, ny], tau / eta.max(zero.constant(LEAST)), places);
             }
-            // n n^T/α + t t^T/η with t = (-ny, nx): along = 1/α, across = 1/η.
-            let over = one / (alpha * eta);
-            let (along, across) = (eta * over, alpha * over);
-            let xx = along.mul_add(nx * nx, across * (ny * ny));
-            let yy = along.mul_add(ny * ny, across * (nx * nx));
-            own_xx[i] = bears.select(xx, one).values();
-            own_yy[i] = bears.select(yy, one).values();
-            own_xy[i] = ((along - across) * (nx * ny)).values();
+            // √α n n^T + √η t t^T = √η + (√α - √η) n n^T
+            let along = bears.select(alpha.positive_part(), zero).sqrt();
+            let across = bears.select(eta.positive_part(), zero).sqrt();
+            let more = along - across;
+            root_xx[i] = (more * nx).mul_add(nx, across).values();
+            root_yy[i] = (more * ny).mul_add(ny, across).values();
+            root_xy[i] = ((more * nx) * ny).values();
         }
-    }
-}
-
-/// Initialise the ring's blocks for ideal hinges, which have no compliance.
-pub(super) fn assemble_ideal(hinges: usize, loaded: &mut LoadedHinges, blocks: &mut HingeBlocks) {
-    loaded.any = true;
-    loaded.hinges[BASE..].fill(0.0);
-    loaded.hinges[BASE..][..hinges].fill(1.0);
-    for (own, behind) in blocks.compliance.iter_mut().zip([1.0, 1.0, 0.0]) {
-        own[BASE..].fill(behind);
-        own[BASE..][..hinges].fill(0.0);
-    }
-}
-
-impl LoadedHinges {
-    /// Copy the last hinge to the entry before the first.
-    #[inline(always)]
-    pub(super) fn repeat_last(&mut self, hinges: usize) {
-        self.hinges[BASE - 1] = self.hinges[BASE + hinges - 1];
     }
 }

@@ -2,25 +2,31 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::NewtonMatrix;
+use super::Factors;
 use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
 use super::ring::BASE;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    EntriesMut, Lanes, Numbers, Pack8, PartialSums, parts, put_part, read, write,
+    EntriesMut, Lanes, Number, Numbers, Pack8, PartialSums, Vectors, parts, put_double_part, read,
+    write,
 };
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
-struct ChainResidual<'a> {
-    columns: &'a [Border],
+struct ChainResidual<'a, T> {
+    columns: &'a [Border<T>],
     /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
     border_solution: &'a [f64],
 }
 
-impl<S: Simd> RightHand<S> for ChainResidual<'_> {
+impl<S: Vectors> RightHand<S> for ChainResidual<'_, S::Number> {
     #[inline(always)]
-    fn at(&self, simd: S, group: &LinkGroup, (number, part): (usize, usize)) -> [Lanes<S>; 3] {
+    fn at(
+        &self,
+        simd: S,
+        group: &LinkGroup<S::Number>,
+        (number, part): (usize, usize),
+    ) -> [Lanes<S>; 3] {
         let mass = group.mass.at(simd, part);
         let [x, y, turn] = read(simd, &group.free, part);
         let mut right = [mass * x, mass * y, group.inertia.at(simd, part) * turn];
@@ -35,28 +41,41 @@ impl<S: Simd> RightHand<S> for ChainResidual<'_> {
 
 /// Subtract vector `part` of a column times `factor` from the entries of links.
 #[inline(always)]
-fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Pack8; 3], factor: f64, part: usize) {
+fn take<S: Vectors>(
+    simd: S,
+    from: &mut [Lanes<S>; 3],
+    column: &[Pack8<S::Number>; 3],
+    factor: f64,
+    part: usize,
+) {
     let factor = Lanes::splat(simd, factor);
     for (from, column) in from.iter_mut().zip(read(simd, column, part)) {
         *from = factor.negate_mul_add(column, *from);
     }
 }
 
-/// Kernel of [`NewtonMatrix::correct`]; `FRICTION`: with moments on the links.
-pub(super) struct Correct<'a, const FRICTION: bool> {
-    pub(super) matrix: &'a mut NewtonMatrix,
+/// Kernel of [`Factors::correct`]; `FRICTION`: with moments on the links.
+pub(super) struct Correct<'a, T: Number, const FRICTION: bool> {
+    pub(super) factors: &'a mut Factors<T>,
     pub(super) model: &'a Model,
     pub(super) residual: &'a mut [f64],
     pub(super) lack: Option<&'a [Numbers; 2]>,
 }
 
-impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
+impl<T: Number, const FRICTION: bool> WithSimd for Correct<'_, T, FRICTION> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        self.run(T::vectors(simd));
+    }
+}
+
+impl<T: Number, const FRICTION: bool> Correct<'_, T, FRICTION> {
+    #[inline(always)]
+    fn run<S: Vectors<Number = T>>(self, simd: S) {
         let Self {
-            matrix,
+            factors: matrix,
             model,
             residual,
             lack,
@@ -67,7 +86,7 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
         }
-        let NewtonMatrix {
+        let Factors {
             rollers: terms,
             columns,
             border_solution,
@@ -98,7 +117,7 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
         matrix.links.take_residuals(simd, n, links);
         matrix
             .links
-            .solve_free::<S, _, FRICTION>(simd, n, &matrix.loaded, &right);
+            .solve_free::<S, _, FRICTION>(simd, n, &matrix.roots, &right);
         if let Some(lack) = lack {
             matrix.add_lack(n, lack);
         }
@@ -127,14 +146,14 @@ impl<const FRICTION: bool> WithSimd for Correct<'_, FRICTION> {
     }
 }
 
-impl NewtonMatrix {
+impl<T: Number> Factors<T> {
     /// Add what the constraints of `n` ideal hinges lack to their right-hand sides.
     #[inline(always)]
     fn add_lack(&mut self, n: usize, lack: &[Numbers; 2]) {
         for (right, lack) in self.links.ring_unknowns().iter_mut().zip(lack) {
             let right = &mut right[BASE..][..n];
             for (right, lack) in right.iter_mut().zip(&lack[..n]) {
-                *right += lack;
+                *right = T::nearest(right.double() + lack);
             }
         }
     }
@@ -146,7 +165,7 @@ impl NewtonMatrix {
             let forces = self.links.ring_unknowns().iter_mut().zip(of_column);
             for (force, of_column) in forces {
                 for (force, of_column) in force.iter_mut().zip(&**of_column) {
-                    *force -= factor * of_column;
+                    *force = T::nearest(force.double() - factor * of_column.double());
                 }
             }
         }
@@ -155,7 +174,12 @@ impl NewtonMatrix {
 
 /// Subtract the solved columns of the border times its solution from the links' solution: w -= (A⁻¹ c) s.
 #[inline(always)]
-fn take_border<S: Simd>(simd: S, unknowns: &mut [[Pack8; 3]], solved: &[Border], border: &[f64]) {
+fn take_border<S: Vectors>(
+    simd: S,
+    unknowns: &mut [[Pack8<S::Number>; 3]],
+    solved: &[Border<S::Number>],
+    border: &[f64],
+) {
     for (column, &factor) in solved.iter().zip(border) {
         for (unknowns, column) in unknowns.iter_mut().zip(column) {
             for part in parts::<S>() {
@@ -169,19 +193,19 @@ fn take_border<S: Simd>(simd: S, unknowns: &mut [[Pack8; 3]], solved: &[Border],
 
 /// Write the links' solution, axis by axis.
 #[inline(always)]
-fn put_solution<S: Simd>(simd: S, solution: &[[Pack8; 3]], links: &mut [f64]) {
+fn put_solution<S: Vectors>(simd: S, solution: &[[Pack8<S::Number>; 3]], links: &mut [f64]) {
     let n = links.len() / 3;
     for axis in 0..3 {
         let (whole, rest) = links[axis * n..(axis + 1) * n].as_chunks_mut();
         for (links, solution) in whole.iter_mut().zip(solution) {
             for part in parts::<S>() {
-                put_part(links, part, solution[axis].at(simd, part));
+                put_double_part(links, part, solution[axis].at(simd, part));
             }
         }
         if let Some(solution) = solution.get(whole.len()) {
             let mut rest = EntriesMut::of(simd, rest);
             for part in parts::<S>() {
-                rest.set(part, solution[axis].at(simd, part));
+                rest.set(0, part, solution[axis].at(simd, part));
             }
         }
     }

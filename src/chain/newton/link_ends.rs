@@ -1,12 +1,10 @@
 //! Coupling of the two hinges of a link after its elimination: products of the inverse of its block with the levers of its ends.
 
-use pulp::Simd;
-
 use super::spatial::Spatial;
-use crate::math::simd::Lanes;
+use crate::math::simd::{Lanes, Vectors};
 
 /// Coupling of the two hinges of a vector of links.
-pub(super) struct HingeCoupling<S: Simd> {
+pub(super) struct HingeCoupling<S: Vectors> {
     /// `F D⁻¹ F^T`: xx, yy, xy.
     pub(super) front: [Lanes<S>; 3],
     /// `R D⁻¹ R^T`
@@ -15,7 +13,7 @@ pub(super) struct HingeCoupling<S: Simd> {
     pub(super) between: [Lanes<S>; 4],
 }
 
-impl<S: Simd> HingeCoupling<S> {
+impl<S: Vectors> HingeCoupling<S> {
     /// Return the coupling by links without tooth contact: D = diag(m, m, J), levers (u, v) and (-u, -v).
     #[inline(always)]
     pub(super) fn of_free(light: Lanes<S>, turn: Lanes<S>, [u, v]: [Lanes<S>; 2]) -> Self {

@@ -1,44 +1,45 @@
 //! Eight links in the lanes of SIMD vectors: inertias, levers of their ends, and elimination of their blocks.
 
-use pulp::Simd;
-
-use super::contacts::{FrictionArms, LoadedHinges};
+use super::contacts::FrictionArms;
 use super::link_ends::HingeCoupling;
 use super::ring::BASE;
 use super::spatial::Spatial;
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
-use crate::math::simd::{Lanes, Numbers, Pack8, load, read, vectors, write};
+use crate::math::simd::{
+    Lanes, Number, Numbers, Pack, Pack8, Vectors, load, packs, parts, read, rounded_part, vectors,
+    write,
+};
 
 /// Eight links. Links of the padding have mass and inertia one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct LinkGroup {
-    pub(super) mass: Pack8,
-    pub(super) inertia: Pack8,
-    pub(super) inverse_mass: Pack8,
+pub(super) struct LinkGroup<T> {
+    pub(super) mass: Pack8<T>,
+    pub(super) inertia: Pack8<T>,
+    pub(super) inverse_mass: Pack8<T>,
     /// One where bushing k is on the front of link k, else zero.
-    pub(super) front_bushing: Pack8,
+    pub(super) front_bushing: Pack8<T>,
     /// One where bushing k - 1 is on the rear of link k.
-    pub(super) rear_bushing: Pack8,
+    pub(super) rear_bushing: Pack8<T>,
     /// Whether a bushing of one of these links touches a tooth.
     pub(super) touches_teeth: bool,
     /// u and v: velocity of the link's front per angular velocity of the link \[m\].
-    pub(super) lever: [Pack8; 2],
+    pub(super) lever: [Pack8<T>; 2],
     /// Inverse of D: xx, xy, xθ, yy, yθ, θθ. Without tooth contact D is diagonal and only the last entry is used.
-    pub(super) inverse: [Pack8; 6],
+    pub(super) inverse: [Pack8<T>; 6],
     /// Scratch of a solution: velocities of the links without changes of the hinge forces.
-    pub(super) free: [Pack8; 3],
+    pub(super) free: [Pack8<T>; 3],
     /// Scratch: the corresponding velocities of their fronts.
-    pub(super) front_velocity: [Pack8; 2],
+    pub(super) front_velocity: [Pack8<T>; 2],
 }
 
-impl LinkGroup {
+impl<T: Number> LinkGroup<T> {
     /// Return the constants of eight links from link `first` on.
     pub(super) fn new(model: &Model, first: usize) -> Self {
         let n = model.links;
         let lay_out = |value: &dyn Fn(usize) -> f64, rest: f64| {
             let of = |i: usize| if i < n { value(i) } else { rest };
-            Pack8(std::array::from_fn(|lane| of(first + lane)))
+            Pack8(std::array::from_fn(|lane| T::nearest(of(first + lane))))
         };
         let owner = |k: usize| model.link_of_bushing(k % n);
         let none = Pack8::default();
@@ -59,7 +60,7 @@ impl LinkGroup {
     /// Return values of the bushings on the fronts and on the rears of these links, vector `i`, which is `part` of the group; zero where
     /// that end has no bushing.
     #[inline(always)]
-    pub(super) fn of_ends<S: Simd>(
+    pub(super) fn of_ends<S: Vectors<Number = T>>(
         &self,
         simd: S,
         of: &Bushings<S>,
@@ -73,7 +74,7 @@ impl LinkGroup {
 
     /// Return D⁻¹ times `right`.
     #[inline(always)]
-    pub(super) fn times_inverse<S: Simd>(
+    pub(super) fn times_inverse<S: Vectors<Number = T>>(
         &self,
         simd: S,
         right: [Lanes<S>; 3],
@@ -92,7 +93,7 @@ impl LinkGroup {
     /// `D = diag(m, m, J) + F^T H_f F + R^T H_r R` with the stiffness H of the teeth at the front and the rear bushing. J is the
     /// inertia with the geometric stiffness. Friction adds the moments `spun` about the bushings.
     #[inline(always)]
-    pub(super) fn held_links<S: Simd, const FRICTION: bool>(
+    pub(super) fn held_links<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
         (stiffness, spun): (&[Bushings<S>; 3], &[Bushings<S>; 3]),
@@ -130,15 +131,15 @@ impl LinkGroup {
 
 /// Array of bushings as vectors of links: bushings on their fronts, and bushings on their rears.
 #[derive(Clone, Copy)]
-pub(super) struct Bushings<'a, S: Simd> {
-    front: &'a [S::f64s],
-    rear: &'a [S::f64s],
+pub(super) struct Bushings<'a, S: Vectors> {
+    front: &'a [S::Vector],
+    rear: &'a [S::Vector],
 }
 
-impl<'a, S: Simd> Bushings<'a, S> {
+impl<'a, S: Vectors> Bushings<'a, S> {
     /// Return the first `count` vectors; bushing k is at [`BASE`] + k.
     #[inline(always)]
-    pub(super) fn of(array: &'a [f64], count: usize) -> Self {
+    pub(super) fn of(array: &'a [S::Number], count: usize) -> Self {
         Self {
             front: vectors::<S>(&array[BASE..], count),
             rear: vectors::<S>(&array[BASE - 1..], count),
@@ -147,13 +148,13 @@ impl<'a, S: Simd> Bushings<'a, S> {
 
     /// Return three arrays.
     #[inline(always)]
-    pub(super) fn of_three([x, y, z]: &'a [Numbers; 3], count: usize) -> [Self; 3] {
+    pub(super) fn of_three([x, y, z]: &'a [Numbers<S::Number>; 3], count: usize) -> [Self; 3] {
         [Self::of(x, count), Self::of(y, count), Self::of(z, count)]
     }
 }
 
 /// Input of the links' elimination.
-pub(super) struct Linked<'a> {
+pub(super) struct Linked<'a, T: Number> {
     pub(super) links: usize,
     pub(super) gamma: f64,
     /// Cosines and sines of the links.
@@ -163,38 +164,38 @@ pub(super) struct Linked<'a> {
     /// Forces on front and rear ends, x and y \[N\].
     pub(super) front_force: [&'a [f64]; 2],
     pub(super) rear_force: [&'a [f64]; 2],
-    pub(super) teeth: &'a ToothTerms,
-    pub(super) loaded: &'a LoadedHinges,
-    pub(super) arms: &'a FrictionArms,
+    pub(super) teeth: &'a ToothTerms<T>,
+    pub(super) arms: &'a FrictionArms<T>,
 }
 
 /// Arrays of the links in vectors.
-pub(super) struct LinkRows<'a, S: Simd> {
+pub(super) struct LinkRows<'a, S: Vectors> {
     gamma_squared: f64,
-    cos: &'a [S::f64s],
-    sin: &'a [S::f64s],
-    arm: &'a [S::f64s],
-    front_force: [&'a [S::f64s]; 2],
-    rear_force: [&'a [S::f64s]; 2],
+    cos: &'a [Pack],
+    sin: &'a [Pack],
+    arm: &'a [Pack],
+    front_force: [&'a [Pack]; 2],
+    rear_force: [&'a [Pack]; 2],
     /// Arms of the contact points of the hinges at front and rear, see [`FrictionArms`].
-    front_arms: [&'a [S::f64s]; 2],
-    rear_arms: [&'a [S::f64s]; 2],
+    front_arms: [&'a [S::Vector]; 2],
+    rear_arms: [&'a [S::Vector]; 2],
 }
 
-impl<'a, S: Simd> LinkRows<'a, S> {
-    /// Return the first `count` vectors.
+impl<'a, S: Vectors> LinkRows<'a, S> {
+    /// Return the arrays of `groups` groups of links.
     #[inline(always)]
-    pub(super) fn of(of: &Linked<'a>, count: usize) -> Self {
+    pub(super) fn of(of: &Linked<'a, S::Number>, groups: usize) -> Self {
+        let count = groups * parts::<S>().len();
         let [front_x, front_y] = of.front_force;
         let [rear_x, rear_y] = of.rear_force;
         let ([front_u, front_v], [rear_u, rear_v]) = (&of.arms.front, &of.arms.rear);
         Self {
             gamma_squared: of.gamma * of.gamma,
-            cos: vectors::<S>(of.direction[0], count),
-            sin: vectors::<S>(of.direction[1], count),
-            arm: vectors::<S>(of.arm, count),
-            front_force: [vectors::<S>(front_x, count), vectors::<S>(front_y, count)],
-            rear_force: [vectors::<S>(rear_x, count), vectors::<S>(rear_y, count)],
+            cos: packs(of.direction[0], groups),
+            sin: packs(of.direction[1], groups),
+            arm: packs(of.arm, groups),
+            front_force: [packs(front_x, groups), packs(front_y, groups)],
+            rear_force: [packs(rear_x, groups), packs(rear_y, groups)],
             front_arms: [
                 vectors::<S>(&front_u[BASE..], count),
                 vectors::<S>(&front_v[BASE..], count),
@@ -206,16 +207,18 @@ impl<'a, S: Simd> LinkRows<'a, S> {
         }
     }
 
-    /// Write levers and inverse of vector `i` of links, which is `part` of their group; return the coupling of their hinges.
+    /// Write levers and inverse of vector `part` of group `number`; return the coupling of their hinges.
     #[inline(always)]
     pub(super) fn eliminate<const FRICTION: bool>(
         &self,
         simd: S,
         teeth: (&[Bushings<S>; 3], &[Bushings<S>; 3]),
-        (links, levers): (&mut LinkGroup, &mut [Pack8; 4]),
-        (i, part): (usize, usize),
+        (links, levers): (&mut LinkGroup<S::Number>, &mut [Pack8<S::Number>; 4]),
+        (number, part): (usize, usize),
     ) -> HingeCoupling<S> {
-        let at = |array: &[S::f64s]| load(simd, &array[i]);
+        let i = number * parts::<S>().len() + part;
+        let at = |array: &[Pack]| rounded_part(simd, &array[number], part);
+        let own = |array: &[S::Vector]| load(simd, &array[i]);
         let (arm, cos, sin) = (at(self.arm), at(self.cos), at(self.sin));
         let lever = [-(arm * sin), arm * cos];
         write(&mut links.lever, part, lever);
@@ -228,8 +231,8 @@ impl<'a, S: Simd> LinkRows<'a, S> {
         let mut contacts = [lever; 2];
         if FRICTION {
             let [u, v] = lever;
-            let [front_u, front_v] = [at(self.front_arms[0]), at(self.front_arms[1])];
-            let [rear_u, rear_v] = [at(self.rear_arms[0]), at(self.rear_arms[1])];
+            let [front_u, front_v] = [own(self.front_arms[0]), own(self.front_arms[1])];
+            let [rear_u, rear_v] = [own(self.rear_arms[0]), own(self.rear_arms[1])];
             contacts = [[u + front_u, v + front_v], [rear_u - u, rear_v - v]];
             let [[fx, fy], [rx, ry]] = contacts;
             write(levers, part, [fx, fy, rx, ry]);

@@ -3,46 +3,49 @@
 //! Row of link i: `D_i w_i + F_i^T f_i - R_i^T f_(i-1) = M_i r_i`, where `f_i` is γ times the change of the force of
 //! hinge i \[N s\]. F and R give
 //! the velocities of the link's front and rear: `F w = (w_x + u w_θ, w_y + v w_θ)`, R with -u, -v. Row of hinge k:
-//! `P_k f_k = F_k w_k - R_(k+1) w_(k+1)`, where P is its compliance.
+//! `f_k = L_k² (F_k w_k - R_(k+1) w_(k+1))`, where L² is its stiffness. With f = L g the elimination of the links leaves the symmetric ring
+//! `(1 + L_k (F_k D_k⁻¹ F_k^T + R_(k+1) D_(k+1)⁻¹ R_(k+1)^T) L_k) g_k - L_k F_k D_k⁻¹ R_k^T L_(k-1) g_(k-1) - ... = L_k (F_k w_k - R_(k+1) w_(k+1))`.
+//! It has no divisions by a stiffness, which is zero in an open hinge and tiny at an onset: rounding stays small in single precision.
 
-use pulp::Simd;
-
-use super::contacts::LoadedHinges;
+use super::blocks::{Block, Symmetric, Vector};
+use super::contacts::HingeRoots;
 use super::link_group::{Bushings, LinkGroup, LinkRows, Linked};
-use super::ring::{BASE, BEFORE, HingeBlocks, hinge_numbers, hinge_vectors, put_rows};
+use super::ring::{BASE, BEFORE, HingeRows, hinge_numbers, put_rows};
 use super::teeth::ToothTerms;
-use crate::chain::arrays::slopes::group_of;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Entries, Lanes, Numbers, Pack, Pack8, PartialSums, WIDTH, load, packs, packs_mut, padded_zeros,
-    part_of, parts, put_part, read, vectors, vectors_mut, write,
+    Entries, Lanes, Number, Numbers, Pack, Pack8, PartialSums, Vectors, WIDTH, load, packs,
+    packs_mut, padded_zeros, part_of, parts, put_double_part, put_part, read, rounded_part,
+    vectors, vectors_mut, write,
 };
 
 /// Return whether a bushing of a group of links touches a tooth; rears add the bushing before the group.
 #[inline(always)]
-fn touched(teeth: &ToothTerms, links: usize, group: usize) -> bool {
+fn touched<T: Number>(teeth: &ToothTerms<T>, links: usize, group: usize) -> bool {
     let first = group * WIDTH;
     teeth.touches(first) || teeth.touches(if first > 0 { first - 1 } else { links - 1 })
 }
 
 /// Eliminated links.
 #[derive(Debug, Clone)]
-pub(super) struct LinkTerms {
-    groups: Vec<LinkGroup>,
+pub(super) struct LinkTerms<T: Number> {
+    groups: Vec<LinkGroup<T>>,
     /// Velocity of the contact points at front and rear per angular velocity of the link, x and y each \[m\]; used where there is
     /// friction.
-    levers: Vec<[Pack8; 4]>,
+    levers: Vec<[Pack8<T>; 4]>,
+    /// `F D⁻¹ F^T`: xx, yy, xy.
+    front: [Numbers<T>; 3],
     /// `R D⁻¹ R^T`: xx, yy, xy; a copy of the first link follows the last.
-    rear: [Numbers; 3],
+    rear: [Numbers<T>; 3],
     /// Scratch of an elimination: `-F D⁻¹ R^T` in row-major order, the coupling of the two hinges of a link.
-    between: [Numbers; 4],
+    between: [Numbers<T>; 4],
     /// Scratch of a solution: velocities of rears; a copy of the first one follows the last.
-    rear_velocity: [Numbers; 2],
-    /// Scratch: changes of hinge forces, x and y; hinge k at [`BASE`] + k.
-    force: [Numbers; 2],
+    rear_velocity: [Numbers<T>; 2],
+    /// Changes of hinge forces, x and y; during a solution g, and the right-hand sides of the ring; hinge k at [`BASE`] + k.
+    force: [Numbers<T>; 2],
 }
 
-impl LinkTerms {
+impl<T: Number> LinkTerms<T> {
     /// Allocate the elimination of the links of `model`.
     pub(super) fn new(model: &Model) -> Self {
         let n = model.links;
@@ -54,6 +57,7 @@ impl LinkTerms {
                 .map(|first| LinkGroup::new(model, first))
                 .collect(),
             levers: vec![[Pack8::default(); 4]; n.div_ceil(WIDTH)],
+            front: [(); 3].map(|()| padded_zeros(n)),
             rear: [(); 3].map(|()| with_first()),
             between: [(); 4].map(|()| padded_zeros(n)),
             rear_velocity: [with_first(), with_first()],
@@ -63,115 +67,108 @@ impl LinkTerms {
 
     /// Write residuals x, y and θ of all links where [`Self::solve_free`] reads them; zero for links of the padding.
     #[inline(always)]
-    pub(super) fn take_residuals<S: Simd>(&mut self, simd: S, links: usize, residuals: &[f64]) {
-        let count = self.groups.len();
-        let groups = &mut self.groups[..count];
+    pub(super) fn take_residuals<S: Vectors<Number = T>>(
+        &mut self,
+        simd: S,
+        links: usize,
+        residuals: &[f64],
+    ) {
         for axis in 0..3 {
             let (whole, rest) = residuals[axis * links..(axis + 1) * links].as_chunks();
-            for (group, residuals) in groups.iter_mut().zip(whole) {
+            for (group, residuals) in self.groups.iter_mut().zip(whole) {
                 for part in parts::<S>() {
-                    group.free[axis].put(part, part_of(simd, residuals, part));
+                    group.free[axis].put(part, rounded_part(simd, residuals, part));
                 }
             }
-            if let Some(group) = groups.get_mut(whole.len()) {
-                // As vectors: the load of a vector waits for stores of single numbers in it.
+            if let Some(group) = self.groups.get_mut(whole.len()) {
                 let rest = Entries::of(simd, rest);
                 for part in parts::<S>() {
-                    group.free[axis].put(part, rest.at(part));
+                    group.free[axis].put(part, rest.at(0, part));
                 }
             }
         }
     }
 
     /// Return the changes of the hinge forces of the last solution, x and y; hinge k at [`BASE`] + k.
-    pub(super) fn hinge_forces(&self) -> &[Numbers; 2] {
+    pub(super) fn hinge_forces(&self) -> &[Numbers<T>; 2] {
         &self.force
     }
 
     /// Return the unknowns of the ring, which initially hold its right-hand sides.
     #[inline(always)]
-    pub(super) fn ring_unknowns(&mut self) -> &mut [Numbers; 2] {
+    pub(super) fn ring_unknowns(&mut self) -> &mut [Numbers<T>; 2] {
         &mut self.force
     }
 }
 
-impl LinkTerms {
-    /// Eliminate all links and write the rows of the ring, which holds the hinges' compliances.
+impl<T: Number> LinkTerms<T> {
+    /// Eliminate all links and write the rows of the ring, for hinges with these roots.
     #[inline(always)]
-    pub(super) fn eliminate<S: Simd, const FRICTION: bool>(
+    pub(super) fn eliminate<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
-        of: &Linked,
-        ring: &mut HingeBlocks,
+        of: &Linked<T>,
+        roots: &HingeRoots<T>,
+        rows: &mut HingeRows<T>,
     ) {
         for (number, group) in self.groups.iter_mut().enumerate() {
             group.touches_teeth = touched(of.teeth, of.links, number);
         }
-        let count = self.groups.len() * parts::<S>().len();
-        let loaded = vectors::<S>(&of.loaded.hinges[BASE..], count);
-        let loaded_before = vectors::<S>(&of.loaded.hinges[BASE - 1..], count);
-        let links = LinkRows::of(of, count);
-        {
-            let [xx, yy, xy] = &mut self.rear;
-            let rear = [
-                vectors_mut::<S>(xx, count),
-                vectors_mut::<S>(yy, count),
-                vectors_mut::<S>(xy, count),
-            ];
-            let teeth = (
-                &Bushings::of_three(&of.teeth.tooth_stiffness, count),
-                &Bushings::of_three(&of.teeth.spun, count),
-            );
-            let own = hinge_vectors::<S>(&mut ring.compliance, count);
-            let [xx, xy, yx, yy] = &mut self.between;
-            let between = [
-                vectors_mut::<S>(xx, count),
-                vectors_mut::<S>(xy, count),
-                vectors_mut::<S>(yx, count),
-                vectors_mut::<S>(yy, count),
-            ];
-            for i in 0..count {
-                let (group, part) = group_of::<S, _>(&mut self.groups, i);
-                let (levers, _) = group_of::<S, _>(&mut self.levers, i);
-                let ends = links.eliminate::<FRICTION>(simd, teeth, (group, levers), (i, part));
+        let number_of_groups = self.groups.len();
+        let (groups, levers) = (
+            &mut self.groups[..number_of_groups],
+            &mut self.levers[..number_of_groups],
+        );
+        let count = number_of_groups * parts::<S>().len();
+        let links = LinkRows::<S>::of(of, number_of_groups);
+        let teeth = (
+            &Bushings::of_three(&of.teeth.tooth_stiffness, count),
+            &Bushings::of_three(&of.teeth.spun, count),
+        );
+        let front = three_mut::<S>(&mut self.front, count);
+        let rear = three_mut::<S>(&mut self.rear, count);
+        let [xx, xy, yx, yy] = &mut self.between;
+        let between = [
+            vectors_mut::<S>(xx, count),
+            vectors_mut::<S>(xy, count),
+            vectors_mut::<S>(yx, count),
+            vectors_mut::<S>(yy, count),
+        ];
+        for number in 0..number_of_groups {
+            let (group, levers) = (&mut groups[number], &mut levers[number]);
+            for part in parts::<S>() {
+                let place = (number, part);
+                let ends = links.eliminate::<FRICTION>(simd, teeth, (group, levers), place);
+                let i = number * parts::<S>().len() + part;
                 for axis in 0..3 {
+                    front[axis][i] = ends.front[axis].values();
                     rear[axis][i] = ends.rear[axis].values();
                 }
-                let loaded = load(simd, &loaded[i]);
-                // S_k += F D⁻¹ F^T and C_k = -F D⁻¹ R^T; hinges without force stay uncoupled.
-                for axis in 0..3 {
-                    let own = &mut own[axis][i];
-                    *own = loaded.mul_add(ends.front[axis], load(simd, own)).values();
-                }
-                let both = loaded * load(simd, &loaded_before[i]);
                 for entry in 0..4 {
-                    between[entry][i] = (both * ends.between[entry]).values();
+                    between[entry][i] = ends.between[entry].values();
                 }
             }
         }
-        self.write_rows(simd, of.links, loaded, ring);
+        self.write_rows(simd, of.links, roots, rows);
     }
 
-    /// Write the rows of the ring: the block of each hinge with `R D⁻¹ R^T` of the next link, and its coupling.
+    /// Write the rows of the ring: the block of each hinge, with `R D⁻¹ R^T` of the next link, and its coupling.
     #[inline(always)]
-    fn write_rows<S: Simd>(
+    fn write_rows<S: Vectors<Number = T>>(
         &mut self,
         simd: S,
         links: usize,
-        loaded: &[S::f64s],
-        ring: &mut HingeBlocks,
+        roots: &HingeRoots<T>,
+        rows: &mut HingeRows<T>,
     ) {
-        let count = loaded.len();
+        let count = self.groups.len() * parts::<S>().len();
         for rear in &mut self.rear {
             rear[links] = rear[0];
         }
-        let [xx, yy, xy] = &self.rear;
-        let rear = [
-            vectors::<S>(&xx[1..], count),
-            vectors::<S>(&yy[1..], count),
-            vectors::<S>(&xy[1..], count),
-        ];
-        let own = hinge_vectors::<S>(&mut ring.compliance, count);
+        let front = three::<S>(&self.front, 0, count);
+        let rear = three::<S>(&self.rear, 1, count);
+        let own = three::<S>(&roots.roots, BASE, count);
+        let before = three::<S>(&roots.roots, BASE - 1, count);
         let [xx, xy, yx, yy] = &self.between;
         let between = [
             vectors::<S>(xx, count),
@@ -179,17 +176,24 @@ impl LinkTerms {
             vectors::<S>(yx, count),
             vectors::<S>(yy, count),
         ];
-        let rows = ring.rows.chunks_exact_mut(S::F64_LANES).take(count);
+        let unit = Lanes::splat(simd, roots.unit);
+        let rows = rows.chunks_exact_mut(S::LANES).take(count);
         for (i, rows) in rows.enumerate() {
-            let loaded = load(simd, &loaded[i]);
+            let root = Symmetric(three_at(simd, &own, i));
+            let before = Symmetric(three_at(simd, &before, i));
+            let both = Symmetric(three_at(simd, &front, i));
+            let both = both.plus(&Symmetric(three_at(simd, &rear, i)));
+            let [xx, yy, xy] = root.between(&both).0;
+            let coupling = Block([
+                load(simd, &between[0][i]),
+                load(simd, &between[1][i]),
+                load(simd, &between[2][i]),
+                load(simd, &between[3][i]),
+            ]);
+            let coupling = root.times_block(&coupling).times_symmetric(&before).0;
             let mut entries = [Lanes::splat(simd, 0.0); WIDTH];
-            for axis in 0..3 {
-                let rear = load(simd, &rear[axis][i]);
-                entries[axis] = loaded.mul_add(rear, load(simd, &own[axis][i]));
-            }
-            for entry in 0..4 {
-                entries[BEFORE + entry] = load(simd, &between[entry][i]);
-            }
+            (entries[0], entries[1], entries[2]) = (unit + xx, unit + yy, xy);
+            entries[BEFORE..].copy_from_slice(&coupling);
             put_rows(simd, rows, &entries);
         }
     }
@@ -197,11 +201,11 @@ impl LinkTerms {
     /// Solve the links for `right` without changes of the hinge forces. The velocity differences of the hinges are the ring's
     /// right-hand sides.
     #[inline(always)]
-    pub(super) fn solve_free<S: Simd, R: RightHand<S>, const FRICTION: bool>(
+    pub(super) fn solve_free<S: Vectors<Number = T>, R: RightHand<S>, const FRICTION: bool>(
         &mut self,
         simd: S,
         links: usize,
-        loaded: &LoadedHinges,
+        roots: &HingeRoots<T>,
         right: &R,
     ) {
         let count = self.groups.len();
@@ -235,27 +239,58 @@ impl LinkTerms {
                 }
             }
         }
-        // Hinge k: F_k w_k - R_(k+1) w_(k+1) with the free velocities; zero for hinges without force.
-        let loaded = packs(&loaded.hinges[BASE..], count);
-        for axis in 0..2 {
-            let rear = &mut self.rear_velocity[axis];
+        for rear in &mut self.rear_velocity {
             rear[links] = rear[0];
-            let behind = packs(&rear[1..], count);
-            let force = packs_mut(&mut self.force[axis][BASE..], count);
-            for number in 0..count {
-                for part in parts::<S>() {
-                    let front = groups[number].front_velocity[axis].at(simd, part);
-                    let closing = front - part_of(simd, &behind[number], part);
-                    let loaded = part_of(simd, &loaded[number], part);
-                    put_part(&mut force[number], part, loaded * closing);
-                }
+        }
+        // Hinge k: L_k (F_k w_k - R_(k+1) w_(k+1)) with the free velocities.
+        let [behind_x, behind_y] = &self.rear_velocity;
+        let (behind_x, behind_y) = (packs(&behind_x[1..], count), packs(&behind_y[1..], count));
+        let roots = roots.packs(count);
+        let [x, y] = &mut self.force;
+        let (x, y) = (
+            packs_mut(&mut x[BASE..], count),
+            packs_mut(&mut y[BASE..], count),
+        );
+        for number in 0..count {
+            for part in parts::<S>() {
+                let [front_x, front_y] = read(simd, &groups[number].front_velocity, part);
+                let closing = Vector([
+                    front_x - part_of(simd, &behind_x[number], part),
+                    front_y - part_of(simd, &behind_y[number], part),
+                ]);
+                let right = root_at(simd, &roots, (number, part)).of(&closing).0;
+                put_part(&mut x[number], part, right[0]);
+                put_part(&mut y[number], part, right[1]);
             }
         }
     }
 
-    /// Copy the last hinge to the entry before the first, after the solution of the ring.
+    /// Replace g by the changes of the hinge forces, L g, after the solution of the ring. Copy the last hinge to the entry before the first.
     #[inline(always)]
-    pub(super) fn close_ring(&mut self, links: usize) {
+    pub(super) fn close_ring<S: Vectors<Number = T>>(
+        &mut self,
+        simd: S,
+        links: usize,
+        roots: &HingeRoots<T>,
+    ) {
+        let count = self.groups.len();
+        let roots = roots.packs(count);
+        let [x, y] = &mut self.force;
+        {
+            let (x, y) = (
+                packs_mut(&mut x[BASE..], count),
+                packs_mut(&mut y[BASE..], count),
+            );
+            for number in 0..count {
+                for part in parts::<S>() {
+                    let (x, y) = (&mut x[number], &mut y[number]);
+                    let unknowns = Vector([part_of(simd, x, part), part_of(simd, y, part)]);
+                    let force = root_at(simd, &roots, (number, part)).of(&unknowns).0;
+                    put_part(x, part, force[0]);
+                    put_part(y, part, force[1]);
+                }
+            }
+        }
         for force in &mut self.force {
             force[BASE - 1] = force[BASE + links - 1];
         }
@@ -263,12 +298,12 @@ impl LinkTerms {
 
     /// Solve the links with the changes of the hinge forces; add their products with the border's rows to `sums`.
     #[inline(always)]
-    pub(super) fn solve_bound<S: Simd, const FRICTION: bool>(
+    pub(super) fn solve_bound<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
-        unknowns: &mut [[Pack8; 3]],
-        rows: &[Border],
-        sums: &mut [PartialSums],
+        unknowns: &mut [[Pack8<T>; 3]],
+        rows: &[Border<T>],
+        sums: &mut [PartialSums<T>],
     ) {
         let count = self.groups.len();
         let [x, y] = &self.force;
@@ -279,7 +314,7 @@ impl LinkTerms {
         for number in 0..count {
             let group = &groups[number];
             for part in parts::<S>() {
-                let at = |array: &[Pack]| part_of(simd, &array[number], part);
+                let at = |array: &[Pack<T>]| part_of(simd, &array[number], part);
                 let (front, rear) = ([at(front_x), at(front_y)], [at(rear_x), at(rear_y)]);
                 // w = w_free - D⁻¹ (F^T f_i - R^T f_(i-1)).
                 let turn = if FRICTION {
@@ -309,10 +344,10 @@ impl LinkTerms {
 
     /// Write velocities of fronts, x and y, and of rears for links with these `unknowns`; with friction angular velocities too.
     #[inline(always)]
-    pub(super) fn write_ends<S: Simd, const FRICTION: bool>(
+    pub(super) fn write_ends<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
-        unknowns: &[[Pack8; 3]],
+        unknowns: &[[Pack8<T>; 3]],
         ends: &mut [Numbers; 5],
     ) {
         let count = self.groups.len();
@@ -325,12 +360,12 @@ impl LinkTerms {
             for part in parts::<S>() {
                 let [x, y, turn] = read(simd, &unknowns[number], part);
                 let [u, v] = read(simd, &groups[number].lever, part);
-                put_part(&mut front_x[number], part, u.mul_add(turn, x));
-                put_part(&mut front_y[number], part, v.mul_add(turn, y));
-                put_part(&mut rear_x[number], part, u.negate_mul_add(turn, x));
-                put_part(&mut rear_y[number], part, v.negate_mul_add(turn, y));
+                put_double_part(&mut front_x[number], part, u.mul_add(turn, x));
+                put_double_part(&mut front_y[number], part, v.mul_add(turn, y));
+                put_double_part(&mut rear_x[number], part, u.negate_mul_add(turn, x));
+                put_double_part(&mut rear_y[number], part, v.negate_mul_add(turn, y));
                 if FRICTION {
-                    put_part(&mut spin[number], part, turn);
+                    put_double_part(&mut spin[number], part, turn);
                 }
             }
         }
@@ -338,11 +373,11 @@ impl LinkTerms {
 
     /// Gather one column of the border from bushings to links, link by link: F^T and R^T times their values.
     #[inline(always)]
-    pub(super) fn gather_column<S: Simd, const FRICTION: bool>(
+    pub(super) fn gather_column<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
-        from: &[Numbers; 3],
-        column: &mut [[Pack8; 3]],
+        from: &[Numbers<T>; 3],
+        column: &mut [[Pack8<T>; 3]],
     ) {
         let count = self.groups.len();
         let parts = parts::<S>();
@@ -370,11 +405,58 @@ impl LinkTerms {
     }
 }
 
+/// Return `count` vectors of three arrays from entry `first` on.
+#[inline(always)]
+fn three<S: Vectors>(
+    [x, y, z]: &[Numbers<S::Number>; 3],
+    first: usize,
+    count: usize,
+) -> [&[S::Vector]; 3] {
+    [
+        vectors::<S>(&x[first..], count),
+        vectors::<S>(&y[first..], count),
+        vectors::<S>(&z[first..], count),
+    ]
+}
+
+/// Return vector `i` of three arrays.
+#[inline(always)]
+fn three_at<S: Vectors>(simd: S, [x, y, z]: &[&[S::Vector]; 3], i: usize) -> [Lanes<S>; 3] {
+    [load(simd, &x[i]), load(simd, &y[i]), load(simd, &z[i])]
+}
+
+/// Return the first `count` vectors of three arrays, mutable.
+#[inline(always)]
+fn three_mut<S: Vectors>(
+    [x, y, z]: &mut [Numbers<S::Number>; 3],
+    count: usize,
+) -> [&mut [S::Vector]; 3] {
+    [
+        vectors_mut::<S>(x, count),
+        vectors_mut::<S>(y, count),
+        vectors_mut::<S>(z, count),
+    ]
+}
+
+/// Return the roots of one vector of hinges, pack and part.
+#[inline(always)]
+fn root_at<S: Vectors>(
+    simd: S,
+    [xx, yy, xy]: &[&[Pack<S::Number>]; 3],
+    (number, part): (usize, usize),
+) -> Symmetric<S> {
+    Symmetric([
+        part_of(simd, &xx[number], part),
+        part_of(simd, &yy[number], part),
+        part_of(simd, &xy[number], part),
+    ])
+}
+
 /// Right-hand sides of the links.
-pub(super) trait RightHand<S: Simd> {
+pub(super) trait RightHand<S: Vectors> {
     /// Return those of vector `part` of pack `number` of links, `group`.
-    fn at(&self, simd: S, group: &LinkGroup, place: (usize, usize)) -> [Lanes<S>; 3];
+    fn at(&self, simd: S, group: &LinkGroup<S::Number>, place: (usize, usize)) -> [Lanes<S>; 3];
 }
 
 /// Row or column of the border: x, y and θ of the links.
-pub(super) type Border = Vec<[Pack8; 3]>;
+pub(super) type Border<T> = Vec<[Pack8<T>; 3]>;

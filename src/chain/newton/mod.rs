@@ -29,14 +29,14 @@ mod tooth_motion;
 use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
-use contacts::{FrictionArms, LoadedHinges, assemble_compliance, assemble_ideal};
+use contacts::{FrictionArms, HingeRoots, assemble_roots};
 use correct::Correct;
-use film::assemble_film_compliance;
+use film::assemble_film_roots;
 use link_group::{LinkGroup, Linked};
 use links::{Border, LinkTerms, RightHand};
 use power_change::CorrectedEnds;
 pub(crate) use power_change::PowerChange;
-use ring::{BASE, HingeBlocks, Ring, hinge_numbers};
+use ring::{BASE, HingeRows, Ring, hinge_numbers, hinge_rows};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};
 
@@ -45,46 +45,71 @@ use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::Slopes;
 use crate::chain::contact::Candidates;
 use crate::chain::model::Model;
-use crate::math::simd::{InstructionSet, Lanes, Numbers, Pack8, PartialSums, WIDTH, read};
+use crate::math::simd::{
+    InstructionSet, Lanes, Number, Numbers, Pack8, PartialSums, Vectors, WIDTH, read,
+};
 
 /// Upper bound of the share of a diagonal border entry that teeth contribute. Below this bound one block Gauss-Seidel sweep
 /// replaces the elimination of the border. The relative error of a correction is then below this share.
 const WEAK: f64 = 0.14;
 
+/// Longest γ for factors of single precision \[s\]. In ten states of the published drive, rounding changes a correction by at most 1e-6 of it up to
+/// γ = 10 µs, by 4e-5 at 30 µs and by 4e-3 at 100 µs.
+const LONGEST: f64 = 3e-5;
+
+/// Smallest mass or moment of inertia for factors of single precision, and the inverse of the largest. The product of three masses stays far
+/// within the range of such numbers, 1e-38 to 3e38.
+const LIGHTEST: f64 = 1e-12;
+
 /// Contact slopes written by evaluations, the matrix and its factors.
+///
+/// The factors of a step have single precision, whose vectors hold twice as many numbers. The residual has double precision, so that
+/// rounding affects only how fast the iteration converges: it is far below the terms that the matrix neglects.
 #[derive(Debug, Clone)]
 pub(crate) struct NewtonMatrix {
     /// Written by evaluations.
     pub(crate) slopes: Slopes,
     motions: Vec<SprocketMotions>,
-    arms: FrictionArms,
-    loaded: LoadedHinges,
-    teeth: ToothTerms,
+    single: Factors<f32>,
+    /// Factors of double precision, allocated when first needed.
+    double: Option<Box<Factors<f64>>>,
+    /// Whether the last factors have double precision.
+    is_double: bool,
+    /// Whether masses and moments of inertia are within the range of single precision.
+    suits_single: bool,
+    /// Scratch: corrections of the links' ends.
+    corrected: CorrectedEnds,
+}
+
+/// Factors of the matrix, in one precision.
+#[derive(Debug, Clone)]
+struct Factors<T: Number> {
+    arms: FrictionArms<T>,
+    roots: HingeRoots<T>,
+    teeth: ToothTerms<T>,
     /// Eliminated rollers, where rollers are bodies.
-    rollers: Option<RollerTerms>,
-    links: LinkTerms,
-    hinges: HingeBlocks,
-    ring: Ring,
+    rollers: Option<RollerTerms<T>>,
+    links: LinkTerms<T>,
+    rows: HingeRows<T>,
+    ring: Ring<T>,
     /// Columns of the border, link by link. The matrix is symmetric: they are its rows too. With rollers, one more column holds
     /// their forces on the links.
-    columns: Vec<Border>,
+    columns: Vec<Border<T>>,
     /// Columns multiplied by the inverse of the links' part, where the border is eliminated.
-    solved: Vec<Border>,
+    solved: Vec<Border<T>>,
     corner: Corner,
     /// Whether the coupling of the border by teeth is weak: one block Gauss-Seidel sweep replaces its elimination.
     gauss_seidel: bool,
     /// Scratch: solution of the border alone, without links. With rollers, the factor -1 of their column follows.
     border_solution: Vec<f64>,
     /// Scratch: products of the border's rows with the solutions of the links.
-    sums: Vec<PartialSums>,
+    sums: Vec<PartialSums<T>>,
     /// Scratch: solutions of the links.
-    unknowns: Border,
+    unknowns: Border<T>,
     /// The same of a solution beside a step, where hinges are ideal.
-    spare: Border,
-    /// Scratch: corrections of the links' ends.
-    corrected: CorrectedEnds,
+    spare: Border<T>,
     /// Hinge forces of the border's columns, where hinges are ideal.
-    forces_of_columns: Vec<[Numbers; 2]>,
+    forces_of_columns: Vec<[Numbers<T>; 2]>,
 }
 
 /// Data of the last evaluation of the right-hand side from which the matrix is assembled.
@@ -106,58 +131,38 @@ pub(crate) struct Evaluated<'a> {
 impl NewtonMatrix {
     /// Allocate the matrix of `model`.
     pub(crate) fn new(model: &Model) -> Self {
-        let n = model.links;
-        let border = model.wheel_coordinates();
-        let besides = usize::from(model.rollers.is_some());
-        let three = || vec![[Pack8::default(); 3]; n.div_ceil(WIDTH)];
+        let inertias = model.chain.mass.iter().chain(&model.chain.inertia);
+        let rollers = model.rollers.iter();
+        let rollers = rollers.flat_map(|rollers| [rollers.mass, rollers.inertia]);
         Self {
             slopes: Slopes::new(model),
             motions: SprocketMotions::of(model),
-            arms: FrictionArms::new(n),
-            loaded: LoadedHinges::new(n),
-            teeth: ToothTerms::new(n, border),
-            rollers: (model.rollers.as_ref()).map(|rollers| RollerTerms::new(model, rollers)),
-            links: LinkTerms::new(model),
-            hinges: HingeBlocks::new(n),
-            ring: Ring::new(n),
-            columns: (0..border + besides).map(|_| three()).collect(),
-            solved: (0..border).map(|_| three()).collect(),
-            gauss_seidel: true,
-            border_solution: vec![0.0; border + besides],
-            sums: vec![PartialSums::default(); border],
-            corner: Corner::new(border),
-            unknowns: three(),
-            spare: if model.hinges.ideal {
-                three()
-            } else {
-                Vec::new()
-            },
-            corrected: CorrectedEnds::new(n),
-            forces_of_columns: if model.hinges.ideal {
-                vec![[(); 2].map(|()| hinge_numbers(n)); border]
-            } else {
-                Vec::new()
-            },
+            single: Factors::new(model),
+            double: None,
+            is_double: false,
+            suits_single: (inertias.copied().chain(rollers))
+                .all(|inertia| (LIGHTEST..1.0 / LIGHTEST).contains(&inertia)),
+            corrected: CorrectedEnds::new(model.links),
         }
     }
 
     /// Assemble and factorise the matrix; return false where it is singular, or indefinite without permission.
     pub(crate) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
-        macro_rules! factorise {
-            ($friction:literal) => {
-                evaluated.instructions.run(Factorise::<$friction> {
-                    matrix: self,
-                    model,
-                    evaluated,
-                    gamma,
-                })
-            };
+        let of = (&self.slopes, &mut self.motions[..]);
+        self.is_double =
+            model.hinges.ideal || evaluated.indefinite || gamma > LONGEST || !self.suits_single;
+        if !self.is_double {
+            if self.single.factorise(of, model, evaluated, gamma) {
+                return true;
+            }
+            // Perhaps by rounding.
+            self.is_double = true;
         }
-        if model.has_moments() {
-            factorise!(true)
-        } else {
-            factorise!(false)
-        }
+        let of = (&self.slopes, &mut self.motions[..]);
+        let double = self
+            .double
+            .get_or_insert_with(|| Box::new(Factors::new(model)));
+        double.factorise(of, model, evaluated, gamma)
     }
 
     /// Overwrite a residual of the velocities with the correction, the solution of the linear system. `lack`: velocity of each ideal hinge
@@ -169,20 +174,9 @@ impl NewtonMatrix {
         residual: &mut [f64],
         lack: Option<&[Numbers; 2]>,
     ) {
-        if model.has_moments() {
-            instructions.run(Correct::<true> {
-                matrix: self,
-                model,
-                residual,
-                lack,
-            });
-        } else {
-            instructions.run(Correct::<false> {
-                matrix: self,
-                model,
-                residual,
-                lack,
-            });
+        match &mut self.double {
+            Some(double) if self.is_double => double.correct(model, instructions, residual, lack),
+            _ => self.single.correct(model, instructions, residual, lack),
         }
     }
 
@@ -196,23 +190,132 @@ impl NewtonMatrix {
         lack: &[Numbers; 2],
     ) {
         change.fill(0.0);
-        std::mem::swap(&mut self.unknowns, &mut self.spare);
-        self.correct(model, instructions, change, Some(lack));
-        std::mem::swap(&mut self.unknowns, &mut self.spare);
+        if let Some(double) = &mut self.double {
+            std::mem::swap(&mut double.unknowns, &mut double.spare);
+            double.correct(model, instructions, change, Some(lack));
+            std::mem::swap(&mut double.unknowns, &mut double.spare);
+        }
     }
 
     /// Return γ times the changes of the forces of `hinges` ideal hinges by the last correction, those on fronts with opposite sign; that of
     /// the last hinge precedes the first.
     pub(crate) fn changes_of_hinge_forces(&self, hinges: usize) -> [&[f64]; 2] {
-        let [x, y] = self.links.hinge_forces();
+        let Some(double) = &self.double else {
+            return [&[]; 2];
+        };
+        let [x, y] = double.links.hinge_forces();
         [x, y].map(|axis| &axis[BASE - 1..BASE + hinges])
+    }
+
+    /// Write the corrections of the velocities of the links' ends with the last correction.
+    pub(crate) fn write_corrected_ends(&mut self, instructions: InstructionSet) {
+        let corrected = &mut self.corrected;
+        match &self.double {
+            Some(double) if self.is_double => double.write_ends(instructions, corrected),
+            _ => self.single.write_ends(instructions, corrected),
+        }
+    }
+}
+
+impl<T: Number> Factors<T> {
+    /// Allocate the factors of `model`.
+    fn new(model: &Model) -> Self {
+        let n = model.links;
+        let border = model.wheel_coordinates();
+        let besides = usize::from(model.rollers.is_some());
+        let three = || vec![[Pack8::default(); 3]; n.div_ceil(WIDTH)];
+        Self {
+            arms: FrictionArms::new(n),
+            roots: HingeRoots::new(n),
+            teeth: ToothTerms::new(n, border),
+            rollers: (model.rollers.as_ref()).map(|rollers| RollerTerms::new(model, rollers)),
+            links: LinkTerms::new(model),
+            rows: hinge_rows(n),
+            ring: Ring::new(n),
+            columns: (0..border + besides).map(|_| three()).collect(),
+            solved: (0..border).map(|_| three()).collect(),
+            gauss_seidel: true,
+            border_solution: vec![0.0; border + besides],
+            sums: vec![PartialSums::default(); border],
+            corner: Corner::new(border),
+            unknowns: three(),
+            spare: if model.hinges.ideal {
+                three()
+            } else {
+                Vec::new()
+            },
+            forces_of_columns: if model.hinges.ideal {
+                vec![[(); 2].map(|()| hinge_numbers(n)); border]
+            } else {
+                Vec::new()
+            },
+        }
+    }
+
+    /// Assemble and factorise, see [`NewtonMatrix::factorise`].
+    fn factorise(
+        &mut self,
+        (slopes, motions): (&Slopes, &mut [SprocketMotions]),
+        model: &Model,
+        evaluated: &Evaluated,
+        gamma: f64,
+    ) -> bool {
+        macro_rules! factorise {
+            ($friction:literal) => {
+                T::run(
+                    evaluated.instructions,
+                    Factorise::<T, $friction> {
+                        factors: self,
+                        slopes,
+                        motions,
+                        model,
+                        evaluated,
+                        gamma,
+                    },
+                )
+            };
+        }
+        if model.has_moments() {
+            factorise!(true)
+        } else {
+            factorise!(false)
+        }
+    }
+
+    /// Solve, see [`NewtonMatrix::correct`].
+    fn correct(
+        &mut self,
+        model: &Model,
+        instructions: InstructionSet,
+        residual: &mut [f64],
+        lack: Option<&[Numbers; 2]>,
+    ) {
+        macro_rules! correct {
+            ($friction:literal) => {
+                T::run(
+                    instructions,
+                    Correct::<T, $friction> {
+                        factors: self,
+                        model,
+                        residual,
+                        lack,
+                    },
+                )
+            };
+        }
+        if model.has_moments() {
+            correct!(true);
+        } else {
+            correct!(false);
+        }
     }
 
     /// Add the contacts on all teeth to the bushings' blocks and to the border; eliminate the rollers.
     #[inline(always)]
-    fn add_teeth<S: Simd, const FRICTION: bool>(
+    fn add_teeth<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
+        (slopes, motions): (&Slopes, &mut [SprocketMotions]),
         model: &Model,
         evaluated: &Evaluated,
         gamma: f64,
@@ -227,13 +330,13 @@ impl NewtonMatrix {
             &[]
         };
         for (s, candidates) in sprockets.iter().enumerate() {
-            self.motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
-            let SprocketMotions { first, motions } = &self.motions[s];
+            motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
+            let SprocketMotions { first, motions } = &motions[s];
             AddTeeth::<FRICTION> {
                 gamma,
                 pose: &evaluated.poses[s],
                 candidates,
-                slopes: &self.slopes.teeth[s],
+                slopes: &slopes.teeth[s],
                 bushing: &evaluated.on_teeth.bushing,
                 motions,
                 first: *first,
@@ -245,7 +348,7 @@ impl NewtonMatrix {
         self.teeth
             .fold_overhang::<S, FRICTION>(simd, model.links, overhang);
         if let Some(rollers) = &mut self.rollers {
-            let bores = &self.slopes.rollers;
+            let bores = &slopes.rollers;
             let (teeth, corner) = (&mut self.teeth, &mut self.corner);
             rollers.eliminate::<S, FRICTION>(simd, gamma, bores, teeth, corner);
             teeth.repeat_last::<FRICTION>(model.links);
@@ -255,7 +358,11 @@ impl NewtonMatrix {
     /// Gather the border's columns by links and eliminate the border where its coupling is strong; return false where it is
     /// singular.
     #[inline(always)]
-    fn eliminate_border<S: Simd, const FRICTION: bool>(&mut self, simd: S, links: usize) -> bool {
+    fn eliminate_border<S: Vectors<Number = T>, const FRICTION: bool>(
+        &mut self,
+        simd: S,
+        links: usize,
+    ) -> bool {
         for (from, column) in self.teeth.column.iter().zip(&mut self.columns) {
             self.links.gather_column::<S, FRICTION>(simd, from, column);
         }
@@ -268,11 +375,15 @@ impl NewtonMatrix {
 
     /// Eliminate the border: corner -= cᵀ A⁻¹ c, where A is the part of links and hinges and c the columns.
     #[inline(always)]
-    fn solve_columns<S: Simd, const FRICTION: bool>(&mut self, simd: S, links: usize) {
+    fn solve_columns<S: Vectors<Number = T>, const FRICTION: bool>(
+        &mut self,
+        simd: S,
+        links: usize,
+    ) {
         for j in 0..self.solved.len() {
             let column = Column(&self.columns[j]);
             self.links
-                .solve_free::<S, _, FRICTION>(simd, links, &self.loaded, &column);
+                .solve_free::<S, _, FRICTION>(simd, links, &self.roots, &column);
             self.solve_hinges(simd, links);
             if let Some(forces) = self.forces_of_columns.get_mut(j) {
                 for (kept, force) in forces.iter_mut().zip(self.links.hinge_forces()) {
@@ -294,60 +405,75 @@ impl NewtonMatrix {
 
     /// Solve the ring for the changes of the hinge forces.
     #[inline(always)]
-    fn solve_hinges<S: Simd>(&mut self, simd: S, links: usize) {
-        if self.loaded.any {
+    fn solve_hinges<S: Vectors<Number = T>>(&mut self, simd: S, links: usize) {
+        if self.roots.any {
             self.ring.solve(simd, self.links.ring_unknowns());
         }
-        self.links.close_ring(links);
+        self.links.close_ring(simd, links, &self.roots);
     }
 }
 
 /// Column of the border as the right-hand side.
-struct Column<'a>(&'a Border);
+struct Column<'a, T>(&'a Border<T>);
 
-impl<S: Simd> RightHand<S> for Column<'_> {
+impl<S: Vectors> RightHand<S> for Column<'_, S::Number> {
     #[inline(always)]
-    fn at(&self, simd: S, _group: &LinkGroup, (number, part): (usize, usize)) -> [Lanes<S>; 3] {
+    fn at(
+        &self,
+        simd: S,
+        _group: &LinkGroup<S::Number>,
+        (number, part): (usize, usize),
+    ) -> [Lanes<S>; 3] {
         read(simd, &self.0[number], part)
     }
 }
 
-/// Kernel of [`NewtonMatrix::factorise`]; `FRICTION`: with moments on the links.
-struct Factorise<'a, const FRICTION: bool> {
-    matrix: &'a mut NewtonMatrix,
+/// Kernel of [`Factors::factorise`]; `FRICTION`: with moments on the links.
+struct Factorise<'a, T: Number, const FRICTION: bool> {
+    factors: &'a mut Factors<T>,
+    slopes: &'a Slopes,
+    motions: &'a mut [SprocketMotions],
     model: &'a Model,
     evaluated: &'a Evaluated<'a>,
     gamma: f64,
 }
 
-impl<const FRICTION: bool> WithSimd for Factorise<'_, FRICTION> {
+impl<T: Number, const FRICTION: bool> WithSimd for Factorise<'_, T, FRICTION> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
+        self.run(T::vectors(simd))
+    }
+}
+
+impl<T: Number, const FRICTION: bool> Factorise<'_, T, FRICTION> {
+    #[inline(always)]
+    fn run<S: Vectors<Number = T>>(self, simd: S) -> bool {
         let Self {
-            matrix,
+            factors,
+            slopes,
+            motions,
             model,
             evaluated,
             gamma,
         } = self;
         let n = model.links;
-        let Slopes { hinges, films, .. } = &matrix.slopes;
-        let (loaded, blocks) = (&mut matrix.loaded, &mut matrix.hinges);
-        let arms = &mut matrix.arms;
+        let Slopes { hinges, films, .. } = slopes;
+        let (roots, arms) = (&mut factors.roots, &mut factors.arms);
         // A film transmits moments: its hinges have friction slopes and arms, FRICTION holds.
         if model.hinges.ideal {
-            assemble_ideal(n, loaded, blocks);
+            roots.assemble_ideal(n);
         } else if FRICTION && !films.is_empty() {
-            assemble_film_compliance(simd, gamma, hinges, films, loaded, blocks, arms);
+            assemble_film_roots(simd, gamma, hinges, films, roots, arms);
         } else {
-            assemble_compliance::<S, FRICTION>(simd, gamma, hinges, loaded, blocks, arms);
+            assemble_roots::<S, FRICTION>(simd, gamma, hinges, roots, arms);
         }
-        matrix.loaded.repeat_last(n);
+        roots.repeat_last(n);
         if FRICTION {
-            matrix.arms.repeat_last(n);
+            arms.repeat_last(n);
         }
-        matrix.add_teeth::<S, FRICTION>(simd, model, evaluated, gamma);
+        factors.add_teeth::<S, FRICTION>(simd, (slopes, motions), model, evaluated, gamma);
         let ChainArrays {
             cos,
             sin,
@@ -362,14 +488,14 @@ impl<const FRICTION: bool> WithSimd for Factorise<'_, FRICTION> {
             arm: &evaluated.constants.front_arm,
             front_force: [front_x, front_y],
             rear_force: [&rear_x[FIRST..], &rear_y[FIRST..]],
-            teeth: &matrix.teeth,
-            loaded: &matrix.loaded,
-            arms: &matrix.arms,
+            teeth: &factors.teeth,
+            arms: &factors.arms,
         };
-        matrix
+        let (roots, rows) = (&factors.roots, &mut factors.rows);
+        factors
             .links
-            .eliminate::<S, FRICTION>(simd, &linked, &mut matrix.hinges);
-        let definite = !matrix.loaded.any || matrix.ring.factorise(simd, &matrix.hinges);
-        (definite || evaluated.indefinite) && matrix.eliminate_border::<S, FRICTION>(simd, n)
+            .eliminate::<S, FRICTION>(simd, &linked, roots, rows);
+        let definite = !factors.roots.any || factors.ring.factorise(simd, &factors.rows);
+        (definite || evaluated.indefinite) && factors.eliminate_border::<S, FRICTION>(simd, n)
     }
 }

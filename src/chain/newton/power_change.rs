@@ -7,7 +7,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::tooth_motion::BorderMotion;
-use super::{NewtonMatrix, SprocketMotions};
+use super::{Factors, NewtonMatrix, SprocketMotions};
 use crate::chain::arrays::layout::{ChainArrays, LinkConstants};
 use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::SlopeGroup;
@@ -15,8 +15,8 @@ use crate::chain::contact::SprocketCandidates;
 use crate::chain::loads::SprocketLoad;
 use crate::geometry::Vec2;
 use crate::math::simd::{
-    Lanes, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded, padded_zeros, part_of,
-    parts, put_part, read, splat_two,
+    InstructionSet, Lanes, Number, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded,
+    padded_zeros, part_of, parts, put_part, read, splat_two,
 };
 
 /// Corrections of the velocities of the links' ends and of the bushings, for scratch.
@@ -39,8 +39,35 @@ impl CorrectedEnds {
     }
 }
 
+/// Kernel: write the corrections of the velocities of the links' ends with the last correction.
+struct WriteEnds<'a, T: Number>(&'a Factors<T>, &'a mut CorrectedEnds);
+
+impl<T: Number> WithSimd for WriteEnds<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self(
+            Factors {
+                links, unknowns, ..
+            },
+            ends,
+        ) = self;
+        let simd = T::vectors(simd);
+        links.write_ends::<_, false>(simd, unknowns, &mut ends.links);
+    }
+}
+
+impl<T: Number> Factors<T> {
+    /// Write the corrections of the velocities of the links' ends with the last correction.
+    pub(super) fn write_ends(&self, instructions: InstructionSet, ends: &mut CorrectedEnds) {
+        T::run(instructions, WriteEnds(self, ends));
+    }
+}
+
 /// Kernel: return the changes of the powers of hinges and teeth \[W\] with the last correction; add those of the forces of hinges and teeth,
-/// and of the loads on the sprockets. The matrix must still be that of the last evaluation, without friction and rollers.
+/// and of the loads on the sprockets. The corrections of the links' ends must be written, and the matrix must
+/// still be that of the last evaluation, without friction and rollers.
 pub(crate) struct PowerChange<'a> {
     pub(crate) matrix: &'a mut NewtonMatrix,
     pub(crate) links: usize,
@@ -63,13 +90,10 @@ impl WithSimd for PowerChange<'_> {
         let Self { matrix, gamma, .. } = self;
         let NewtonMatrix {
             slopes,
-            links,
-            unknowns,
             corrected,
             motions,
             ..
         } = matrix;
-        links.write_ends::<S, false>(simd, unknowns, &mut corrected.links);
         for rear in &mut corrected.links[2..4] {
             rear[self.links] = rear[0];
         }

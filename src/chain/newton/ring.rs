@@ -8,51 +8,42 @@
 
 mod solve;
 
-use pulp::Simd;
-
 use super::blocks::{Block, Symmetric, from_left, from_right};
 use crate::math::dense::Dense;
 use crate::math::simd::{
-    Lanes, Mask, Numbers, Pack8, WIDTH, lane_numbers, load, no_lane, padded, padded_zeros, parts,
-    transposed, vectors, vectors_mut, write,
+    Lanes, Mask, Number, Numbers, Pack8, Vectors, WIDTH, lane_numbers, load, no_lane, padded,
+    padded_zeros, parts, transposed, vectors, vectors_mut, write,
 };
 
 /// Entry of hinge 0 in arrays with a copy of the last hinge before it.
 pub(super) const BASE: usize = WIDTH;
 
-/// Blocks of all hinges.
-#[derive(Debug, Clone)]
-pub(super) struct HingeBlocks {
-    /// S without the ends of links: xx, yy, xy. Hinge k is at [`BASE`] + k.
-    pub(super) compliance: [Numbers; 3],
-    /// S and C of each hinge: entries xx, yy and xy of S, one without use, and C in row-major order. C couples hinge k with hinge k - 1.
-    pub(super) rows: Vec<Pack8>,
-}
+/// S and C of each hinge: entries xx, yy and xy of S, one without use, and C in row-major order. C couples hinge k with hinge k - 1.
+pub(super) type HingeRows<T> = Vec<Pack8<T>>;
 
-/// Entry of C in a row of [`HingeBlocks`].
+/// Entry of C in a row of [`HingeRows`].
 pub(super) const BEFORE: usize = 4;
 
-impl HingeBlocks {
-    /// Allocate the blocks of `hinges`.
-    pub(super) fn new(hinges: usize) -> Self {
-        Self {
-            compliance: [(); 3].map(|()| hinge_numbers(hinges)),
-            rows: vec![Pack8::default(); padded(hinges)],
-        }
-    }
+/// Allocate the rows of `hinges`.
+pub(super) fn hinge_rows<T: Number>(hinges: usize) -> HingeRows<T> {
+    vec![Pack8::default(); padded(hinges)]
 }
 
 /// Write the rows of one vector of hinges from their entries.
 #[inline(always)]
-pub(super) fn put_rows<S: Simd>(simd: S, rows: &mut [Pack8], entries: &[Lanes<S>; WIDTH]) {
-    let rows = &mut rows[..S::F64_LANES];
+pub(super) fn put_rows<S: Vectors>(
+    simd: S,
+    rows: &mut [Pack8<S::Number>],
+    entries: &[Lanes<S>; WIDTH],
+) {
+    let rows = &mut rows[..S::LANES];
     for part in parts::<S>() {
         let mut some = [Lanes::splat(simd, 0.0); WIDTH];
-        for lane in 0..S::F64_LANES {
-            some[lane] = entries[part * S::F64_LANES + lane];
+        for lane in 0..S::LANES {
+            some[lane] = entries[part * S::LANES + lane];
         }
         let columns = transposed(simd, some);
-        for lane in 0..S::F64_LANES {
+        for lane in 0..S::LANES {
             rows[lane].put(part, columns[lane]);
         }
     }
@@ -60,10 +51,10 @@ pub(super) fn put_rows<S: Simd>(simd: S, rows: &mut [Pack8], entries: &[Lanes<S>
 
 /// Return the first `count` vectors of three arrays of hinges.
 #[inline(always)]
-pub(super) fn hinge_vectors<S: Simd>(
-    [xx, yy, xy]: &mut [Numbers; 3],
+pub(super) fn hinge_vectors<S: Vectors>(
+    [xx, yy, xy]: &mut [Numbers<S::Number>; 3],
     count: usize,
-) -> [&mut [S::f64s]; 3] {
+) -> [&mut [S::Vector]; 3] {
     [
         vectors_mut::<S>(&mut xx[BASE..], count),
         vectors_mut::<S>(&mut yy[BASE..], count),
@@ -72,37 +63,37 @@ pub(super) fn hinge_vectors<S: Simd>(
 }
 
 /// Allocate one number per hinge, hinge k at [`BASE`] + k, and one vector behind them.
-pub(super) fn hinge_numbers(hinges: usize) -> Numbers {
+pub(super) fn hinge_numbers<T: Number>(hinges: usize) -> Numbers<T> {
     padded_zeros(BASE + hinges + WIDTH)
 }
 
 /// One hinge of each of the eight parts.
 #[derive(Debug, Clone, Copy, Default)]
-struct PartBlocks {
+struct PartBlocks<T> {
     /// S; after elimination the inverse of the reduced S.
-    own: [Pack8; 3],
+    own: [Pack8<T>; 3],
     /// C; after elimination the coefficients of the last hinge of the previous part in the unknowns of this hinge.
-    before: [Pack8; 4],
+    before: [Pack8<T>; 4],
     /// Coefficients of the next hinge in the unknowns of this hinge.
-    next: [Pack8; 4],
+    next: [Pack8<T>; 4],
 }
 
 /// Factors of one round of the cyclic reduction of eight rows.
 #[derive(Debug, Clone, Copy, Default)]
-struct Round {
+struct Round<T> {
     /// Factors by which the left neighbour's row is subtracted from each row.
-    left: [Pack8; 4],
+    left: [Pack8<T>; 4],
     /// Factors by which the right neighbour's row is subtracted from each row.
-    right: [Pack8; 4],
+    right: [Pack8<T>; 4],
 }
 
-impl Round {
+impl<T: Number> Round<T> {
     /// Eliminate both neighbours at `distance` from every row.
     ///
     /// With C the coupling of row k with row k - d: `S_k -= C_k S_(k-d)⁻¹ C_k^T + C_(k+d)^T S_(k+d)⁻¹ C_(k+d)`, and the new coupling with
     /// row k - 2 d is `-C_k S_(k-d)⁻¹ C_(k-d)`.
     #[inline(always)]
-    fn eliminate<S: Simd>(
+    fn eliminate<S: Vectors<Number = T>>(
         &mut self,
         simd: S,
         distance: usize,
@@ -134,18 +125,18 @@ impl Round {
 
 /// What the elimination of the eight parts leaves.
 #[derive(Debug, Clone, Copy, Default)]
-struct Left {
+struct Left<T> {
     /// Blocks of the last hinges.
-    own: [Pack8; 3],
+    own: [Pack8<T>; 3],
     /// Couplings of each last hinge with the last hinge of the previous part.
-    edge: [Pack8; 4],
+    edge: [Pack8<T>; 4],
     /// Blocks that each part subtracts from the last hinge of the previous part.
-    to_last: [Pack8; 3],
+    to_last: [Pack8<T>; 3],
 }
 
 /// Factors of the ring.
 #[derive(Debug, Clone)]
-pub(super) struct Ring {
+pub(super) struct Ring<T: Number> {
     hinges: usize,
     /// Entry of the first place of each part. The last parts may have one hinge less than the others. Their first place is empty,
     /// and this is the entry of the hinge before it.
@@ -154,23 +145,23 @@ pub(super) struct Ring {
     full: usize,
     /// Number of places per part; `places` and `unknowns` have some more, whose values are not used.
     count: usize,
-    places: Vec<PartBlocks>,
+    places: Vec<PartBlocks<T>>,
     /// Couplings of the second places with the previous part, for parts with an empty first place.
-    direct: [Pack8; 4],
+    direct: [Pack8<T>; 4],
     /// Scratch of a factorisation.
-    left: Left,
-    rounds: [Round; 2],
+    left: Left<T>,
+    rounds: [Round<T>; 2],
     /// Factors of the last round, in which both neighbours are the same row.
-    opposite: [Pack8; 4],
+    opposite: [Pack8<T>; 4],
     /// Inverses of the blocks after the last round.
-    inverse: [Pack8; 3],
+    inverse: [Pack8<T>; 3],
     /// Scratch of a solution, place by place.
-    unknowns: Vec<[Pack8; 2]>,
+    unknowns: Vec<[Pack8<T>; 2]>,
     /// Dense matrix for a chain with fewer hinges than parts, in place of all other fields.
     dense: Option<Dense>,
 }
 
-impl Ring {
+impl<T: Number> Ring<T> {
     /// Allocate the factors for `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         let count = hinges.div_ceil(WIDTH);
@@ -195,46 +186,45 @@ impl Ring {
 
     /// Return whether a single place is left behind those that fill vectors: its numbers are copied one by one.
     #[inline(always)]
-    fn has_single_place<S: Simd>(&self) -> bool {
-        S::F64_LANES > 1 && self.count % S::F64_LANES == 1
+    fn has_single_place<S: Vectors<Number = T>>(&self) -> bool {
+        S::LANES > 1 && self.count % S::LANES == 1
     }
 
     /// Return the first places of the vectors of one part, without a single place behind them.
     #[inline(always)]
-    fn vector_places<S: Simd>(&self) -> impl Iterator<Item = usize> + use<S> {
+    fn vector_places<S: Vectors<Number = T>>(&self) -> impl Iterator<Item = usize> + use<S, T> {
         let places = self.count - usize::from(self.has_single_place::<S>());
-        (0..places.div_ceil(S::F64_LANES)).map(|number| number * S::F64_LANES)
+        (0..places.div_ceil(S::LANES)).map(|number| number * S::LANES)
     }
 
     /// Return the entry of the first place of each part in vector `part`, as many as a vector has lanes.
     #[inline(always)]
-    fn starts_of<S: Simd>(&self, part: usize) -> &[usize] {
-        &self.starts[part * S::F64_LANES..(part + 1) * S::F64_LANES]
+    fn starts_of<S: Vectors<Number = T>>(&self, part: usize) -> &[usize] {
+        &self.starts[part * S::LANES..(part + 1) * S::LANES]
     }
 
     /// Return the mask of the parts in vector `part` with all places occupied.
     #[inline(always)]
-    fn have_all<S: Simd>(&self, simd: S, part: usize) -> Mask<S> {
-        let full = self.full as f64 - (part * S::F64_LANES) as f64;
+    fn have_all<S: Vectors<Number = T>>(&self, simd: S, part: usize) -> Mask<S> {
+        let full = self.full as f64 - (part * S::LANES) as f64;
         lane_numbers(simd).less(Lanes::splat(simd, full - 0.5))
     }
 
     /// Copy the blocks and transpose them: from rows of hinges to one hinge of each part.
     #[inline(always)]
-    fn gather_blocks<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
+    fn gather_blocks<S: Vectors<Number = T>>(&mut self, simd: S, rows: &[Pack8<T>]) {
         for part in parts::<S>() {
-            let mut starts = [0; WIDTH];
-            starts[..S::F64_LANES].copy_from_slice(self.starts_of::<S>(part));
+            let starts = &self.starts[part * S::LANES..(part + 1) * S::LANES];
             for (j, place) in self.places[..self.count].iter_mut().enumerate() {
                 let mut entries = [Lanes::splat(simd, 0.0); WIDTH];
                 for half in parts::<S>() {
-                    let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
-                    for lane in 0..S::F64_LANES {
-                        rows[lane] = blocks.rows[starts[lane] + j - BASE].at(simd, half);
+                    let mut some = [Lanes::splat(simd, 0.0); WIDTH];
+                    for lane in 0..S::LANES {
+                        some[lane] = rows[starts[lane] + j - BASE].at(simd, half);
                     }
-                    let columns = transposed(simd, rows);
-                    for lane in 0..S::F64_LANES {
-                        entries[half * S::F64_LANES + lane] = columns[lane];
+                    let columns = transposed(simd, some);
+                    for lane in 0..S::LANES {
+                        entries[half * S::LANES + lane] = columns[lane];
                     }
                 }
                 let [xx, yy, xy, _, before @ ..] = entries;
@@ -249,7 +239,7 @@ impl Ring {
 
     /// Give empty first places the identity and couple the second place with the previous part.
     #[inline(always)]
-    fn leave_first_places_empty<S: Simd>(&mut self, simd: S) {
+    fn leave_first_places_empty<S: Vectors<Number = T>>(&mut self, simd: S) {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         for part in parts::<S>() {
             let all = self.have_all(simd, part);
@@ -269,7 +259,7 @@ impl Ring {
 
     /// Eliminate all but the last place of each part; mark lanes with a block that is not positive definite as `irregular`.
     #[inline(always)]
-    fn eliminate<S: Simd>(&mut self, simd: S, irregular: &mut Mask<S>) {
+    fn eliminate<S: Vectors<Number = T>>(&mut self, simd: S, irregular: &mut Mask<S>) {
         let last = self.count - 1;
         for part in parts::<S>() {
             let places = &mut self.places[..=last];
@@ -308,7 +298,7 @@ impl Ring {
     /// Factorise the ring of the eight remaining rows by parallel cyclic reduction; return false where a block is not positive
     /// definite.
     #[inline(always)]
-    fn reduce<S: Simd>(&mut self, simd: S, irregular: &mut Mask<S>) -> bool {
+    fn reduce<S: Vectors<Number = T>>(&mut self, simd: S, irregular: &mut Mask<S>) -> bool {
         let mut own = [Symmetric::zero(simd); WIDTH];
         let mut coupling = [Block::zero(simd); WIDTH];
         let mut to_last = [Symmetric::zero(simd); WIDTH];
@@ -343,13 +333,13 @@ impl Ring {
         !irregular.any()
     }
 
-    /// Factorise the ring of these blocks; return false where a block is not positive definite.
+    /// Factorise the ring of these rows; return false where a block is not positive definite.
     #[inline(always)]
-    pub(super) fn factorise<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) -> bool {
+    pub(super) fn factorise<S: Vectors<Number = T>>(&mut self, simd: S, rows: &[Pack8<T>]) -> bool {
         if let Some(dense) = &mut self.dense {
-            return factorise_short(dense, self.hinges, blocks);
+            return factorise_short(dense, self.hinges, rows);
         }
-        self.gather_blocks(simd, blocks);
+        self.gather_blocks(simd, rows);
         let mut irregular = no_lane(simd);
         self.eliminate(simd, &mut irregular);
         self.reduce(simd, &mut irregular)
@@ -358,21 +348,22 @@ impl Ring {
 
 /// Return the vectors of an array from these entries on, transposed: one column per place, as many as a vector has lanes.
 #[inline(always)]
-fn gather<S: Simd>(simd: S, from: &[f64], starts: &[usize; WIDTH]) -> [Lanes<S>; WIDTH] {
+fn gather<S: Vectors>(simd: S, from: &[S::Number], starts: &[usize]) -> [Lanes<S>; WIDTH] {
     let mut lanes = [Lanes::splat(simd, 0.0); WIDTH];
-    for lane in 0..S::F64_LANES {
-        let row = &from[starts[lane]..starts[lane] + S::F64_LANES];
+    for lane in 0..S::LANES {
+        let row = &from[starts[lane]..starts[lane] + S::LANES];
         lanes[lane] = load(simd, &vectors::<S>(row, 1)[0]);
     }
     transposed(simd, lanes)
 }
 
 /// Factorise a ring with fewer hinges than parts as a dense matrix.
-fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bool {
+fn factorise_short<T: Number>(dense: &mut Dense, hinges: usize, rows: &[Pack8<T>]) -> bool {
     dense.clear();
     for k in 0..hinges {
         let before = (k + hinges - 1) % hinges;
-        let (own, coupling) = blocks.rows[k].0.split_at(BEFORE);
+        let row = rows[k].0.map(Number::double);
+        let (own, coupling) = row.split_at(BEFORE);
         for (&value, (i, j)) in own.iter().zip([(0, 0), (1, 1), (0, 1)]) {
             dense.add(2 * k + i, 2 * k + j, value);
             if i != j {

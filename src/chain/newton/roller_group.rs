@@ -1,38 +1,38 @@
 //! Eight rollers in the lanes of SIMD vectors: elimination of their velocities, and solutions with the factors.
 
-use pulp::Simd;
-
 use super::blocks::{Block, Symmetric, Vector};
 use super::bores::BoreFriction;
 use super::spatial::{Spatial, transposed_times};
 use crate::chain::model::Model;
-use crate::math::simd::{Entries, Lanes, Pack8, load, read, write};
+use crate::math::simd::{Entries, Lanes, Number, Pack8, Vectors, load, read, write};
 
 /// Eight rollers.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RollerGroup {
+pub(super) struct RollerGroup<T> {
     /// One where the bushing is on the front of its link, else zero.
-    pub(super) front_bushing: Pack8,
+    pub(super) front_bushing: Pack8<T>,
     /// Whether a bushing or a tooth touches one of these rollers.
     pub(super) touches: bool,
     /// Whether a tooth touches one of these rollers.
     pub(super) meshes: bool,
     /// A; without friction only xx, yy, xy.
-    inverse: [Pack8; 6],
+    inverse: [Pack8<T>; 6],
     /// A C in row-major order; without friction only four entries.
-    follow: [Pack8; 9],
+    follow: [Pack8<T>; 9],
     /// Scratch of a solution: velocities of the rollers by their own right-hand side only.
-    pub(super) free: [Pack8; 3],
+    pub(super) free: [Pack8<T>; 3],
 }
 
-impl RollerGroup {
+impl<T: Number> RollerGroup<T> {
     /// Return eight rollers from roller `first` on.
     pub(super) fn new(model: &Model, first: usize) -> Self {
         let on_front =
             |k: usize| f64::from(u8::from(k < model.links && model.link_of_bushing(k) == k));
         let none = Pack8::default();
         Self {
-            front_bushing: Pack8(std::array::from_fn(|lane| on_front(first + lane))),
+            front_bushing: Pack8(std::array::from_fn(|lane| {
+                T::nearest(on_front(first + lane))
+            })),
             touches: false,
             meshes: false,
             inverse: [none; 6],
@@ -43,7 +43,7 @@ impl RollerGroup {
 
     /// Return A times `right`: velocities of the rollers alone. Without `FRICTION`, that of θ is zero.
     #[inline(always)]
-    pub(super) fn solved_rollers<S: Simd, const FRICTION: bool>(
+    pub(super) fn solved_rollers<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
@@ -61,7 +61,7 @@ impl RollerGroup {
 
     /// Return A C without friction.
     #[inline(always)]
-    fn follow<S: Simd>(&self, simd: S, part: usize) -> Block<S> {
+    fn follow<S: Vectors<Number = T>>(&self, simd: S, part: usize) -> Block<S> {
         let [xx, xy, yx, yy, ..] = &self.follow;
         Block([
             xx.at(simd, part),
@@ -73,7 +73,7 @@ impl RollerGroup {
 
     /// Return C^T A times `right`: the force on the bushings. Without `FRICTION`, the moment is zero.
     #[inline(always)]
-    pub(super) fn on_links<S: Simd, const FRICTION: bool>(
+    pub(super) fn on_links<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
@@ -89,7 +89,7 @@ impl RollerGroup {
 
     /// Return the velocities of the rollers with those of their bushings, A C b plus their own; without `FRICTION`, of θ zero.
     #[inline(always)]
-    pub(super) fn bound<S: Simd, const FRICTION: bool>(
+    pub(super) fn bound<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
         part: usize,
@@ -115,13 +115,13 @@ impl RollerGroup {
 
 /// Stiffness of the teeth at the bushings, vector by vector. On input it acts on the rollers; on output the rollers act on the
 /// bushings with it.
-pub(super) struct OnTeeth<'a, S: Simd> {
+pub(super) struct OnTeeth<'a, S: Vectors> {
     pub(super) simd: S,
-    pub(super) tooth_stiffness: [&'a mut [S::f64s]; 3],
-    pub(super) spun: [&'a mut [S::f64s]; 3],
+    pub(super) tooth_stiffness: [&'a mut [S::Vector]; 3],
+    pub(super) spun: [&'a mut [S::Vector]; 3],
 }
 
-impl<S: Simd> OnTeeth<'_, S> {
+impl<S: Vectors> OnTeeth<'_, S> {
     /// Eliminate vector `i` of rollers without friction: velocities x and y.
     #[inline(always)]
     pub(super) fn eliminate(
@@ -129,10 +129,10 @@ impl<S: Simd> OnTeeth<'_, S> {
         i: usize,
         mass: Lanes<S>,
         bore: &Symmetric<S>,
-        (group, part): (&mut RollerGroup, usize),
+        (group, part): (&mut RollerGroup<S::Number>, usize),
     ) {
         let [held_xx, held_yy, held_xy] = &mut self.tooth_stiffness;
-        let at = |array: &[S::f64s]| load(self.simd, &array[i]);
+        let at = |array: &[S::Vector]| load(self.simd, &array[i]);
         let (xx, yy, xy) = (mass + at(held_xx), mass + at(held_yy), at(held_xy));
         let [bore_xx, bore_yy, bore_xy] = bore.0;
         let (a, d, b) = (xx + bore_xx, yy + bore_yy, xy + bore_xy);
@@ -160,9 +160,9 @@ impl<S: Simd> OnTeeth<'_, S> {
         [mass, inertia]: [Lanes<S>; 2],
         bore: &Symmetric<S>,
         friction: &BoreFriction<S>,
-        (group, part): (&mut RollerGroup, usize),
+        (group, part): (&mut RollerGroup<S::Number>, usize),
     ) {
-        let at = |array: &[S::f64s]| load(self.simd, &array[i]);
+        let at = |array: &[S::Vector]| load(self.simd, &array[i]);
         let own = Spatial([
             mass + at(self.tooth_stiffness[0]),
             at(self.tooth_stiffness[2]),
@@ -193,21 +193,21 @@ impl<S: Simd> OnTeeth<'_, S> {
 }
 
 /// Residuals of the rollers times mass and moment of inertia.
-pub(super) struct RollerResidual<'a, S: Simd> {
+pub(super) struct RollerResidual<'a, S: Vectors> {
     pub(super) inertias: [Lanes<S>; 2],
     pub(super) axes: [Entries<'a, S>; 3],
 }
 
-impl<S: Simd> RollerResidual<'_, S> {
-    /// Return those of vector `i`; without `FRICTION`, that of θ is zero.
+impl<S: Vectors> RollerResidual<'_, S> {
+    /// Return those of vector `part` of group `number`; without `FRICTION`, that of θ is zero.
     #[inline(always)]
-    pub(super) fn at<const FRICTION: bool>(&self, i: usize) -> [Lanes<S>; 3] {
+    pub(super) fn at<const FRICTION: bool>(&self, (number, part): (usize, usize)) -> [Lanes<S>; 3] {
         let ([mass, inertia], [x, y, turn]) = (self.inertias, &self.axes);
         let turn = if FRICTION {
-            inertia * turn.at(i)
+            inertia * turn.at(number, part)
         } else {
             mass.constant(0.0)
         };
-        [mass * x.at(i), mass * y.at(i), turn]
+        [mass * x.at(number, part), mass * y.at(number, part), turn]
     }
 }

@@ -7,8 +7,6 @@
 //! columns `C^T A c`, and `-c^T A c` on the border. K is the stiffness of the bore at the bushing. Without friction no force
 //! depends on a roller's rotation, whose residual stays unchanged.
 
-use pulp::Simd;
-
 use super::border::Corner;
 use super::bores::{BoreFriction, bore};
 use super::links::{Border, LinkTerms};
@@ -18,26 +16,26 @@ use super::teeth::ToothTerms;
 use crate::chain::arrays::slopes::ContactSlopes;
 use crate::chain::model::{Model, RollerModel};
 use crate::math::simd::{
-    Entries, EntriesMut, Lanes, Numbers, Pack8, PartialSums, WIDTH, load, padded_zeros, parts,
-    read, vectors, vectors_mut, write,
+    Entries, EntriesMut, Lanes, Number, Numbers, Pack8, PartialSums, Vectors, WIDTH, load, packs,
+    padded_zeros, parts, read, rounded_part, vectors, vectors_mut, write,
 };
 
 /// Eliminated rollers.
 #[derive(Debug, Clone)]
-pub(super) struct RollerTerms {
+pub(super) struct RollerTerms<T: Number> {
     mass: f64,
     inertia: f64,
-    groups: Vec<RollerGroup>,
+    groups: Vec<RollerGroup<T>>,
     /// A c of each coordinate on the border.
-    solved: Vec<Border>,
+    solved: Vec<Border<T>>,
     /// Scratch of a solution: right-hand sides of the bushings, bushing k at [`BASE`] + k; a copy of the last one precedes the
     /// first.
-    on_links: [Numbers; 3],
+    on_links: [Numbers<T>; 3],
     /// Scratch: velocities of fronts, of rears and angular velocities; for the last two a copy of the first one follows the last.
     ends: [Numbers; 5],
 }
 
-impl RollerTerms {
+impl<T: Number> RollerTerms<T> {
     /// Allocate the elimination of the rollers of `model`.
     pub(super) fn new(model: &Model, rollers: &RollerModel) -> Self {
         let (n, border) = (model.links, model.wheel_coordinates());
@@ -56,12 +54,12 @@ impl RollerTerms {
 
     /// Eliminate all rollers from the terms of the teeth; `bores` has the slopes of the contacts in the bores.
     #[inline(always)]
-    pub(super) fn eliminate<S: Simd, const FRICTION: bool>(
+    pub(super) fn eliminate<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
         gamma: f64,
         bores: &ContactSlopes,
-        teeth: &mut ToothTerms,
+        teeth: &mut ToothTerms<T>,
         corner: &mut Corner,
     ) {
         let inertias = self.inertias(simd);
@@ -70,7 +68,7 @@ impl RollerTerms {
         for (number, (group, slopes)) in self.groups.iter_mut().zip(&bores.normal).enumerate() {
             let mut bound = false;
             for part in parts::<S>() {
-                bound |= slopes.force.at(simd, part).exceeds(zero).any();
+                bound |= slopes.force.rounded(simd, part).exceeds(zero).any();
             }
             bound &= gamma > 0.0; // as of the teeth
             group.meshes = teeth.touches(number * WIDTH);
@@ -95,7 +93,7 @@ impl RollerTerms {
                 let i = number * count + part;
                 let bore = bore::<S>(simd, gamma, slopes, part);
                 if FRICTION {
-                    let bears = slopes.force.at(simd, part).greater(zero);
+                    let bears = slopes.force.rounded(simd, part).greater(zero);
                     let friction = &bores.friction[number];
                     let friction = BoreFriction::new(simd, gamma, &slopes.normal, friction, part);
                     let friction = friction.where_it(bears);
@@ -110,7 +108,7 @@ impl RollerTerms {
 
     /// Return mass and moment of inertia of a roller in all lanes.
     #[inline(always)]
-    fn inertias<S: Simd>(&self, simd: S) -> [Lanes<S>; 2] {
+    fn inertias<S: Vectors<Number = T>>(&self, simd: S) -> [Lanes<S>; 2] {
         [
             Lanes::splat(simd, self.mass),
             Lanes::splat(simd, self.inertia),
@@ -119,10 +117,10 @@ impl RollerTerms {
 
     /// Eliminate the rollers from the border: `A c`, the columns of the bushings `C^T A c`, and `-c^T A c` on the border.
     #[inline(always)]
-    fn eliminate_from_border<S: Simd, const FRICTION: bool>(
+    fn eliminate_from_border<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
-        columns: &mut [[Numbers; 3]],
+        columns: &mut [[Numbers<T>; 3]],
         corner: &mut Corner,
     ) {
         for (j, column) in columns.iter().enumerate() {
@@ -142,11 +140,11 @@ impl RollerTerms {
 
     /// Write `A c` of column `j` of the border, c = `column`.
     #[inline(always)]
-    fn solve_column<S: Simd, const FRICTION: bool>(
+    fn solve_column<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
         j: usize,
-        column: &[Numbers; 3],
+        column: &[Numbers<T>; 3],
     ) {
         let count = parts::<S>().len();
         let column = of_column::<S>(column, self.groups.len() * count);
@@ -168,10 +166,10 @@ impl RollerTerms {
 
     /// Return the product of a column of the border with the solution of column `j`.
     #[inline(always)]
-    fn product<S: Simd, const FRICTION: bool>(
+    fn product<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
-        left: &[Numbers; 3],
+        left: &[Numbers<T>; 3],
         j: usize,
     ) -> f64 {
         let count = parts::<S>().len();
@@ -192,7 +190,11 @@ impl RollerTerms {
 
     /// Replace a column of the border, c, by that of the bushings, `C^T A c`.
     #[inline(always)]
-    fn pass_to_bushings<S: Simd, const FRICTION: bool>(&self, simd: S, column: &mut [Numbers; 3]) {
+    fn pass_to_bushings<S: Vectors<Number = T>, const FRICTION: bool>(
+        &self,
+        simd: S,
+        column: &mut [Numbers<T>; 3],
+    ) {
         let count = parts::<S>().len();
         let mut column = of_column_mut::<S>(column, self.groups.len() * count);
         for (number, group) in self.groups.iter().enumerate() {
@@ -211,13 +213,13 @@ impl RollerTerms {
     /// Solve the rollers for `right`, residuals x, y and θ of all, with bushings and border at rest. Subtract c^T A M r from
     /// `border` and write the `column` of the links, gathered from C^T A M r.
     #[inline(always)]
-    pub(super) fn solve_free<S: Simd, const FRICTION: bool>(
+    pub(super) fn solve_free<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
         right: &[f64],
         border: &mut [f64],
-        links: &LinkTerms,
-        column: &mut [[Pack8; 3]],
+        links: &LinkTerms<T>,
+        column: &mut [[Pack8<T>; 3]],
     ) {
         let zero = Lanes::splat(simd, 0.0);
         let n = right.len() / 3;
@@ -238,7 +240,7 @@ impl RollerTerms {
                     put_three::<S, FRICTION>(&mut on_links, i, [zero; 3]);
                     continue;
                 }
-                let right = right.at::<FRICTION>(i);
+                let right = right.at::<FRICTION>((number, part));
                 let free = group.solved_rollers::<S, FRICTION>(simd, part, right);
                 write(&mut group.free, part, free);
                 put_three::<S, FRICTION>(
@@ -257,7 +259,10 @@ impl RollerTerms {
                 for part in parts::<S>() {
                     let i = number * count + part;
                     let solved = read(simd, solved, part);
-                    sum.add(i, dot::<S, FRICTION>(solved, right.at::<FRICTION>(i)));
+                    sum.add(
+                        i,
+                        dot::<S, FRICTION>(solved, right.at::<FRICTION>((number, part))),
+                    );
                 }
             }
             *entry -= sum.total();
@@ -271,24 +276,23 @@ impl RollerTerms {
     /// Solve the rollers with these velocities of the links and the `border`: w = A (M r + C b - c s). `to` holds the right-hand
     /// side of [`Self::solve_free`]; rollers without contact keep it.
     #[inline(always)]
-    pub(super) fn solve_bound<S: Simd, const FRICTION: bool>(
+    pub(super) fn solve_bound<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
-        links: &LinkTerms,
-        unknowns: &[[Pack8; 3]],
+        links: &LinkTerms<T>,
+        unknowns: &[[Pack8<T>; 3]],
         border: &[f64],
         to: &mut [f64],
     ) {
         let n = to.len() / 3;
-        let count = parts::<S>().len();
-        let registers = self.groups.len() * count;
+        let groups = self.groups.len();
         links.write_ends::<S, FRICTION>(simd, unknowns, &mut self.ends);
         for end in &mut self.ends[2..] {
             end[n] = end[0];
         }
         let [front_x, front_y, rear_x, rear_y, spin] = &self.ends;
-        let fronts = [&front_x[..], front_y, spin].map(|axis| vectors::<S>(axis, registers));
-        let rears = [rear_x, rear_y, spin].map(|axis| vectors::<S>(&axis[1..], registers));
+        let fronts = [&front_x[..], front_y, spin].map(|axis| packs(axis, groups));
+        let rears = [rear_x, rear_y, spin].map(|axis| packs(&axis[1..], groups));
         let (to_x, to) = to.split_at_mut(n);
         let (to_y, to_turn) = to.split_at_mut(n);
         let mut to = [to_x, to_y, to_turn].map(|axis| EntriesMut::<S>::of(simd, axis));
@@ -298,20 +302,23 @@ impl RollerTerms {
                 continue;
             }
             for part in parts::<S>() {
-                let i = number * count + part;
                 let on_front = group.front_bushing.at(simd, part).greater(zero);
                 // A closure over the axes would pass vectors through memory.
                 let mut bushing = [zero; 3];
                 for axis in 0..axes::<FRICTION>() {
-                    let (front, rear) = (&fronts[axis][i], &rears[axis][i]);
-                    bushing[axis] = on_front.select(load(simd, front), load(simd, rear));
+                    let (front, rear) = (&fronts[axis][number], &rears[axis][number]);
+                    let (front, rear) = (
+                        rounded_part(simd, front, part),
+                        rounded_part(simd, rear, part),
+                    );
+                    bushing[axis] = on_front.select(front, rear);
                 }
                 let mut own = group.bound::<S, FRICTION>(simd, part, bushing);
                 if group.meshes {
                     self.take_border::<S, FRICTION>(simd, (number, part), border, &mut own);
                 }
                 for (to, own) in to.iter_mut().zip(own).take(axes::<FRICTION>()) {
-                    to.set(i, own);
+                    to.set(number, part, own);
                 }
             }
         }
@@ -319,7 +326,7 @@ impl RollerTerms {
 
     /// Subtract A c s from the velocities of one vector of rollers, with the solution s of the `border`.
     #[inline(always)]
-    fn take_border<S: Simd, const FRICTION: bool>(
+    fn take_border<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
         simd: S,
         (number, part): (usize, usize),
@@ -344,9 +351,9 @@ const fn axes<const FRICTION: bool>() -> usize {
 
 /// Return vector `i` of three arrays; without `FRICTION`, the last is zero.
 #[inline(always)]
-fn three<S: Simd, const FRICTION: bool>(
+fn three<S: Vectors, const FRICTION: bool>(
     simd: S,
-    [x, y, turn]: &[&[S::f64s]; 3],
+    [x, y, turn]: &[&[S::Vector]; 3],
     i: usize,
 ) -> [Lanes<S>; 3] {
     let turn = if FRICTION {
@@ -359,8 +366,8 @@ fn three<S: Simd, const FRICTION: bool>(
 
 /// Write vector `i` of three arrays; without `FRICTION`, the last is left unchanged.
 #[inline(always)]
-fn put_three<S: Simd, const FRICTION: bool>(
-    to: &mut [&mut [S::f64s]; 3],
+fn put_three<S: Vectors, const FRICTION: bool>(
+    to: &mut [&mut [S::Vector]; 3],
     i: usize,
     values: [Lanes<S>; 3],
 ) {
@@ -371,7 +378,7 @@ fn put_three<S: Simd, const FRICTION: bool>(
 
 /// Return the product of two vectors; without `FRICTION`, their last components are zero.
 #[inline(always)]
-fn dot<S: Simd, const FRICTION: bool>(left: [Lanes<S>; 3], right: [Lanes<S>; 3]) -> Lanes<S> {
+fn dot<S: Vectors, const FRICTION: bool>(left: [Lanes<S>; 3], right: [Lanes<S>; 3]) -> Lanes<S> {
     let mut rest = left[1] * right[1];
     if FRICTION {
         rest = left[1].mul_add(right[1], left[2] * right[2]);
@@ -381,7 +388,7 @@ fn dot<S: Simd, const FRICTION: bool>(left: [Lanes<S>; 3], right: [Lanes<S>; 3])
 
 /// Return the SIMD vectors of a column of the border.
 #[inline(always)]
-fn of_column<S: Simd>(column: &[Numbers; 3], registers: usize) -> [&[S::f64s]; 3] {
+fn of_column<S: Vectors>(column: &[Numbers<S::Number>; 3], registers: usize) -> [&[S::Vector]; 3] {
     let [x, y, turn] = column;
     [
         vectors::<S>(&x[BASE..], registers),
@@ -392,7 +399,10 @@ fn of_column<S: Simd>(column: &[Numbers; 3], registers: usize) -> [&[S::f64s]; 3
 
 /// Return the SIMD vectors of a column of the border for writing.
 #[inline(always)]
-fn of_column_mut<S: Simd>(column: &mut [Numbers; 3], registers: usize) -> [&mut [S::f64s]; 3] {
+fn of_column_mut<S: Vectors>(
+    column: &mut [Numbers<S::Number>; 3],
+    registers: usize,
+) -> [&mut [S::Vector]; 3] {
     let [x, y, turn] = column;
     [
         vectors_mut::<S>(&mut x[BASE..], registers),

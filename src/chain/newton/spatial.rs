@@ -1,14 +1,12 @@
 //! Symmetric 3x3 blocks of links and rollers: velocities x, y and θ, in the lanes of a SIMD vector.
 
-use pulp::Simd;
-
-use crate::math::simd::Lanes;
+use crate::math::simd::{Lanes, Vectors};
 
 /// Symmetric 3x3 matrix: xx, xy, xz, yy, yz, zz.
 #[derive(Clone, Copy)]
-pub(super) struct Spatial<S: Simd>(pub(super) [Lanes<S>; 6]);
+pub(super) struct Spatial<S: Vectors>(pub(super) [Lanes<S>; 6]);
 
-impl<S: Simd> Spatial<S> {
+impl<S: Vectors> Spatial<S> {
     /// Return the inverse: cofactors over the determinant.
     #[inline(always)]
     pub(super) fn inverse(&self) -> Self {
@@ -79,7 +77,7 @@ impl<S: Simd> Spatial<S> {
 
 /// Return m^T v.
 #[inline(always)]
-pub(super) fn transposed_times<S: Simd>(
+pub(super) fn transposed_times<S: Vectors>(
     m: &[Lanes<S>; 9],
     [x, y, z]: [Lanes<S>; 3],
 ) -> [Lanes<S>; 3] {

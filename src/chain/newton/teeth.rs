@@ -1,8 +1,6 @@
 //! Terms of the contacts between bushings and teeth: stiffness of the teeth at each bushing, and columns of the sprockets' own
 //! coordinates. The matrix is symmetric: the columns are rows too.
 
-use pulp::Simd;
-
 use super::border::Corner;
 use super::contacts::scaled;
 use super::ring::BASE;
@@ -11,21 +9,21 @@ use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
 use crate::chain::contact::SprocketCandidates;
 use crate::math::simd::{
-    Lanes, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded, padded_zeros, part_of,
-    parts, put_part, read,
+    Lanes, Number, Numbers, Pack, PartialSums, Vectors, WIDTH, packs, packs_mut, padded,
+    padded_zeros, part_of, parts, put_part, read_rounded, rounded_part,
 };
 
 /// Terms of the teeth, bushing by bushing: change of the force per change of the bushing's velocity, and per change of each
 /// coordinate on the border. Bushing k is at [`BASE`] + k; a copy of the last one precedes the first. Everything is zero outside of
 /// the marked groups of [`WIDTH`] bushings.
 #[derive(Debug, Clone)]
-pub(super) struct ToothTerms {
+pub(super) struct ToothTerms<T: Number> {
     /// xx, yy, xy
-    pub(super) tooth_stiffness: [Numbers; 3],
+    pub(super) tooth_stiffness: [Numbers<T>; 3],
     /// Moments about the bushings by friction: per change of their velocity, x and y, and of their angular velocity.
-    pub(super) spun: [Numbers; 3],
+    pub(super) spun: [Numbers<T>; 3],
     /// Force x and y of each coordinate, and its moment about the bushing.
-    pub(super) column: Vec<[Numbers; 3]>,
+    pub(super) column: Vec<[Numbers<T>; 3]>,
     /// Marks of the groups that are not zero.
     touched: Vec<bool>,
 }
@@ -47,7 +45,7 @@ macro_rules! each_array {
     };
 }
 
-impl ToothTerms {
+impl<T: Number> ToothTerms<T> {
     /// Allocate the terms of `links` bushings and `border` coordinates.
     pub(super) fn new(links: usize, border: usize) -> Self {
         let room = padded(BASE + 2 * links + 3 * WIDTH);
@@ -66,7 +64,7 @@ impl ToothTerms {
     pub(super) fn clear<const FRICTION: bool>(&mut self, links: usize) {
         self.touched.fill(false);
         each_array!(self, FRICTION, |array| {
-            array[..BASE + padded(links)].fill(0.0);
+            array[..BASE + padded(links)].fill(T::default());
         });
     }
 
@@ -93,7 +91,7 @@ impl ToothTerms {
     /// Add the terms that runs past the last bushing have written behind it to the first bushings. Copy the last bushing to the
     /// entry before the first.
     #[inline(always)]
-    pub(super) fn fold_overhang<S: Simd, const FRICTION: bool>(
+    pub(super) fn fold_overhang<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
         links: usize,
@@ -146,11 +144,15 @@ pub(super) struct AddTeeth<'a, const FRICTION: bool> {
 impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
     /// Add all candidates to `terms`, and the entries of the sprocket's coordinates among themselves to `corner`.
     #[inline(always)]
-    pub(super) fn add<S: Simd>(&self, simd: S, terms: &mut ToothTerms, corner: &mut Corner) {
+    pub(super) fn add<S: Vectors>(
+        &self,
+        simd: S,
+        terms: &mut ToothTerms<S::Number>,
+        corner: &mut Corner,
+    ) {
         let zero = Lanes::splat(simd, 0.0);
         let mut among = [[PartialSums::default(); MOST]; MOST];
         for run in &self.candidates.runs {
-            let vectors = run.length.div_ceil(S::F64_LANES);
             let groups = run.length.div_ceil(WIDTH);
             let [x, y] = self.bushing;
             let (x, y) = (
@@ -179,19 +181,15 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
             for number in 0..groups {
                 let slopes = &slopes[number];
                 for part in parts::<S>() {
-                    // Slopes behind the last vector of the run are not written.
-                    if number * parts::<S>().len() + part >= vectors {
-                        break;
-                    }
-                    let force = slopes.force.at(simd, part);
+                    let force = slopes.force.rounded(simd, part);
                     if !force.exceeds(zero).any() {
                         continue;
                     }
                     let center = [
-                        part_of(simd, &x[number], part),
-                        part_of(simd, &y[number], part),
+                        rounded_part(simd, &x[number], part),
+                        rounded_part(simd, &y[number], part),
                     ];
-                    let friction = FRICTION.then(|| friction[number].slope.at(simd, part));
+                    let friction = FRICTION.then(|| friction[number].slope.rounded(simd, part));
                     let tooth = self.tooth(center, force, (slopes, part), friction);
                     let group = run.first + number * WIDTH;
                     // A run may begin within a group: its vectors then reach into the next one.
@@ -217,7 +215,7 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
 
     /// Return one vector of bushings in contact, with these centres \[m\], normal forces \[N\] and, for `FRICTION`, slopes of friction.
     #[inline(always)]
-    fn tooth<S: Simd>(
+    fn tooth<S: Vectors>(
         &self,
         [x, y]: [Lanes<S>; 2],
         force: Lanes<S>,
@@ -237,9 +235,9 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
             alpha,
             eta,
             tau,
-            normal: read(simd, &slopes.normal, part),
+            normal: read_rounded(simd, &slopes.normal, part),
             arm: [x - splat(center_x), y - splat(center_y)],
-            curvature: slopes.curvature.at(simd, part),
+            curvature: slopes.curvature.rounded(simd, part),
             turn: splat(self.gamma * self.gamma) * force,
             radius: splat(self.bushing_radius),
         }
@@ -247,19 +245,19 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
 }
 
 /// Terms of one run of bushings, for writing.
-struct TermsOfRun<'a> {
+struct TermsOfRun<'a, T: Number> {
     /// Entry of the first bushing.
     first: usize,
-    tooth_stiffness: [&'a mut [Pack]; 3],
-    spun: &'a mut [Numbers; 3],
+    tooth_stiffness: [&'a mut [Pack<T>]; 3],
+    spun: &'a mut [Numbers<T>; 3],
     /// Columns of the sprocket.
-    columns: &'a mut [[Numbers; 3]],
+    columns: &'a mut [[Numbers<T>; 3]],
 }
 
-impl TermsOfRun<'_> {
+impl<T: Number> TermsOfRun<'_, T> {
     /// Add the stiffness of one vector, pack and part, to the bushings.
     #[inline(always)]
-    fn hold<S: Simd, const FRICTION: bool>(
+    fn hold<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         place: (usize, usize),
         tooth: &ToothMotion<S>,
@@ -279,12 +277,12 @@ impl TermsOfRun<'_> {
 
     /// Add one vector, pack and part, to the columns of the sprocket's coordinates and to their entries among themselves.
     #[inline(always)]
-    fn couple<S: Simd, const FRICTION: bool>(
+    fn couple<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         place: (usize, usize),
         tooth: &ToothMotion<S>,
         motions: &[BorderMotion],
-        corner: &mut [[PartialSums; MOST]; MOST],
+        corner: &mut [[PartialSums<T>; MOST]; MOST],
     ) {
         let ([nx, ny], tau) = (tooth.normal, tooth.tau);
         let moved = tooth.all_moved(motions);
@@ -330,7 +328,7 @@ impl TermsOfRun<'_> {
 
 /// Add `entry` to one vector of an array, pack and part.
 #[inline(always)]
-fn add<S: Simd>(array: &mut [Pack], (number, part): (usize, usize), entry: Lanes<S>) {
+fn add<S: Vectors>(array: &mut [Pack<S::Number>], (number, part): (usize, usize), entry: Lanes<S>) {
     let pack = &mut array[number];
     put_part(pack, part, part_of(entry.simd(), pack, part) + entry);
 }

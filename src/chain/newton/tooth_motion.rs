@@ -1,8 +1,6 @@
 //! Contacts of bushings with teeth under changes of the sprocket's coordinates: derivatives of penetration, position and normal.
 
-use pulp::Simd;
-
-use crate::math::simd::Lanes;
+use crate::math::simd::{Lanes, Vectors};
 
 /// Coordinate of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +15,7 @@ pub(super) enum BorderMotion {
 pub(super) const MOST: usize = 3;
 
 /// Geometry of one SIMD vector of bushings on teeth.
-pub(super) struct ToothMotion<S: Simd> {
+pub(super) struct ToothMotion<S: Vectors> {
     /// Stiffness along the normal, and across it with friction, as in [`contacts`](super::contacts).
     pub(super) alpha: Lanes<S>,
     pub(super) eta: Lanes<S>,
@@ -35,7 +33,7 @@ pub(super) struct ToothMotion<S: Simd> {
 
 /// Derivatives of the contact geometry with respect to a coordinate of the sprocket.
 #[derive(Clone, Copy)]
-pub(super) struct Moved<S: Simd> {
+pub(super) struct Moved<S: Vectors> {
     /// Penetration.
     pub(super) closes: Lanes<S>,
     /// Position of the bushing relative to the sprocket, along t.
@@ -46,7 +44,7 @@ pub(super) struct Moved<S: Simd> {
     pub(super) slides: Lanes<S>,
 }
 
-impl<S: Simd> ToothMotion<S> {
+impl<S: Vectors> ToothMotion<S> {
     /// Return the stiffness at the bushing, α n n^T + η t t^T: xx, yy, xy.
     #[inline(always)]
     pub(super) fn stiff(&self) -> [Lanes<S>; 3] {

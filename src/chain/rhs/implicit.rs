@@ -60,6 +60,7 @@ impl Kernels {
         (gamma, border): (f64, &[f64]),
     ) {
         if let Some(newton) = &mut self.newton {
+            newton.write_corrected_ends(self.instructions);
             let [hinges, teeth] = self.instructions.run(PowerChange {
                 matrix: newton,
                 links: model.links,

@@ -15,7 +15,7 @@ use crate::force_law::{
     ContactLane, ElasticLaw, Form, Friction, RegularizedFriction, RestitutionDamping,
 };
 use crate::math::simd::{
-    Lanes, Mask, Numbers, PartialSums, lane_numbers, load, no_lane, splat_two,
+    Lanes, Mask, Numbers, PartialSums, WIDTH, lane_numbers, load, no_lane, splat_two,
 };
 use run::RunOfBushings;
 
@@ -136,6 +136,10 @@ impl<C: GapConstants, const DAMPED: bool, const FRICTION: bool, const BRISTLED: 
                     place = teeth.place(b, arm, &run);
                 }
                 teeth.touch(b, arm, &place, valid, &mut run);
+            }
+            // Newton's matrix reads whole groups.
+            for b in length.div_ceil(S::F64_LANES)..length.next_multiple_of(WIDTH) / S::F64_LANES {
+                run.clear_slopes(b, splat(0.0));
             }
         }
         let [x, y, moment, dissipated] = &teeth.sums;
@@ -280,19 +284,15 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
     fn write_apart(&self, b: usize, zero: Lanes<S>, run: &mut RunOfBushings<S>) {
         run.depth[b] = zero.values();
         run.force[b] = zero.values();
-        if let Some(slopes) = &mut run.slopes {
+        run.clear_slopes(b, zero);
+        if self.powers
+            && let Some(slopes) = &mut run.slopes
+        {
             let (group, part) = group_of::<S, _>(slopes, b);
-            group.put(part, [zero; 6]);
-            if self.powers {
-                group.put_power(part, [zero; 2]);
-            }
+            group.put_power(part, [zero; 2]);
         }
         if FRICTION {
             run.friction_arrays.friction[b] = zero.values();
-            if let Some(slopes) = &mut run.friction_arrays.slopes {
-                let (group, part) = group_of::<S, _>(slopes, b);
-                group.slope.put(part, zero);
-            }
         }
         if BRISTLED && let Some(bristles) = &mut run.friction_arrays.bristles {
             bristles.clear_rates(b);

@@ -87,6 +87,20 @@ impl InstructionSet {
             _ => run_plain(kernel),
         }
     }
+
+    /// Run a kernel with vectors of at most 256 bits: they hold eight numbers of single precision.
+    #[inline(always)]
+    pub(crate) fn run_half_as_wide<Kernel: WithSimd>(self, kernel: Kernel) -> Kernel::Output {
+        match self.0 {
+            #[cfg(all(target_arch = "x86_64", not(avx2_only)))]
+            Arch::V4(v4) => Simd::vectorize(*v4, kernel),
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(v3) => Simd::vectorize(v3, kernel),
+            #[cfg(target_arch = "aarch64")]
+            Arch::Neon(neon) => Simd::vectorize(neon, kernel),
+            _ => run_plain(kernel),
+        }
+    }
 }
 
 /// Run a kernel with single lanes. It is not inlined: several callers share one copy, as vectorized kernels have.

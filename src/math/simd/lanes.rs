@@ -2,27 +2,25 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use pulp::Simd;
-
-use super::{Numbers, WIDTH};
+use super::{Number, Numbers, Vectors, WIDTH};
 
 /// Vector of as many numbers as the lanes of `S`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Lanes<S: Simd> {
+pub(crate) struct Lanes<S: Vectors> {
     simd: S,
-    values: S::f64s,
+    values: S::Vector,
 }
 
 /// Mask: true or false for each lane.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Mask<S: Simd> {
+pub(crate) struct Mask<S: Vectors> {
     simd: S,
-    values: S::m64s,
+    values: S::Mask,
 }
 
 /// Load one vector of an array.
 #[inline(always)]
-pub(crate) fn load<S: Simd>(simd: S, values: &S::f64s) -> Lanes<S> {
+pub(crate) fn load<S: Vectors>(simd: S, values: &S::Vector) -> Lanes<S> {
     Lanes {
         simd,
         values: *values,
@@ -31,28 +29,32 @@ pub(crate) fn load<S: Simd>(simd: S, values: &S::f64s) -> Lanes<S> {
 
 /// Load `slice`, which may be shorter than a vector; the remaining lanes are zero.
 #[inline(always)]
-pub(crate) fn partial_load<S: Simd>(simd: S, slice: &[f64]) -> Lanes<S> {
+pub(crate) fn partial_load<S: Vectors>(simd: S, slice: &[S::Number]) -> Lanes<S> {
     Lanes {
         simd,
-        values: simd.partial_load_f64s(slice),
+        values: simd.load_some(slice),
     }
 }
 
 /// Return the first `count` vectors of an array.
 #[inline(always)]
-pub(crate) fn vectors<S: Simd>(slice: &[f64], count: usize) -> &[S::f64s] {
-    &S::as_simd_f64s(slice).0[..count]
+pub(crate) fn vectors<S: Vectors>(slice: &[S::Number], count: usize) -> &[S::Vector] {
+    &S::whole(slice).0[..count]
 }
 
 /// Return the first `count` vectors of an array, mutable.
 #[inline(always)]
-pub(crate) fn vectors_mut<S: Simd>(slice: &mut [f64], count: usize) -> &mut [S::f64s] {
-    &mut S::as_mut_simd_f64s(slice).0[..count]
+pub(crate) fn vectors_mut<S: Vectors>(slice: &mut [S::Number], count: usize) -> &mut [S::Vector] {
+    &mut S::whole_mut(slice).0[..count]
 }
 
 /// Return `count` vectors of an x array and of a y array, from entry `first` on.
 #[inline(always)]
-pub(crate) fn both<S: Simd>(arrays: &[Numbers; 2], first: usize, count: usize) -> [&[S::f64s]; 2] {
+pub(crate) fn both<S: Vectors>(
+    arrays: &[Numbers<S::Number>; 2],
+    first: usize,
+    count: usize,
+) -> [&[S::Vector]; 2] {
     [
         vectors::<S>(&arrays[0][first..], count),
         vectors::<S>(&arrays[1][first..], count),
@@ -61,11 +63,11 @@ pub(crate) fn both<S: Simd>(arrays: &[Numbers; 2], first: usize, count: usize) -
 
 /// Return `count` vectors of an x array and of a y array, from entry `first` on, mutable.
 #[inline(always)]
-pub(crate) fn both_mut<S: Simd>(
-    arrays: &mut [Numbers; 2],
+pub(crate) fn both_mut<S: Vectors>(
+    arrays: &mut [Numbers<S::Number>; 2],
     first: usize,
     count: usize,
-) -> [&mut [S::f64s]; 2] {
+) -> [&mut [S::Vector]; 2] {
     let [x, y] = arrays;
     [
         vectors_mut::<S>(&mut x[first..], count),
@@ -75,43 +77,43 @@ pub(crate) fn both_mut<S: Simd>(
 
 /// Return two vectors, each with one number in all lanes. (A closure in `map` is not always inlined, and then loses its instruction set.)
 #[inline(always)]
-pub(crate) fn splat_two<S: Simd>(simd: S, [x, y]: [f64; 2]) -> [Lanes<S>; 2] {
+pub(crate) fn splat_two<S: Vectors>(simd: S, [x, y]: [f64; 2]) -> [Lanes<S>; 2] {
     [Lanes::splat(simd, x), Lanes::splat(simd, y)]
 }
 
 /// Return a vector of the lane numbers 0, 1, 2, ...
 #[inline(always)]
-pub(crate) fn lane_numbers<S: Simd>(simd: S) -> Lanes<S> {
+pub(crate) fn lane_numbers<S: Vectors>(simd: S) -> Lanes<S> {
     const NUMBERS: [f64; WIDTH] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-    load(simd, &vectors::<S>(&NUMBERS, 1)[0])
+    Lanes::new(simd, simd.load_doubles(&NUMBERS, 0))
 }
 
 /// Return a mask that is false in all lanes.
 #[inline(always)]
-pub(crate) fn no_lane<S: Simd>(simd: S) -> Mask<S> {
+pub(crate) fn no_lane<S: Vectors>(simd: S) -> Mask<S> {
     let zero = Lanes::splat(simd, 0.0);
     zero.less(zero)
 }
 
-impl<S: Simd> Lanes<S> {
+impl<S: Vectors> Lanes<S> {
     /// Return the same number in all lanes.
     #[inline(always)]
     pub(crate) fn splat(simd: S, value: f64) -> Self {
         Self {
             simd,
-            values: simd.splat_f64s(value),
+            values: simd.splat(value),
         }
     }
 
     /// Return the lanes of a raw vector.
     #[inline(always)]
-    pub(crate) fn new(simd: S, values: S::f64s) -> Self {
+    pub(crate) fn new(simd: S, values: S::Vector) -> Self {
         Self { simd, values }
     }
 
     /// Return the raw vector, for storage.
     #[inline(always)]
-    pub(crate) fn values(self) -> S::f64s {
+    pub(crate) fn values(self) -> S::Vector {
         self.values
     }
 
@@ -130,10 +132,7 @@ impl<S: Simd> Lanes<S> {
     /// Return self * factor + addend, with a single rounding if the machine has fused multiply-add.
     #[inline(always)]
     pub(crate) fn mul_add(self, factor: Self, addend: Self) -> Self {
-        self.with(
-            self.simd
-                .mul_add_e_f64s(self.values, factor.values, addend.values),
-        )
+        self.with(self.simd.mul_add(self.values, factor.values, addend.values))
     }
 
     /// Return addend - self * factor, with the same rounding.
@@ -141,21 +140,20 @@ impl<S: Simd> Lanes<S> {
     pub(crate) fn negate_mul_add(self, factor: Self, addend: Self) -> Self {
         self.with(
             self.simd
-                .negate_mul_add_e_f64s(self.values, factor.values, addend.values),
+                .negate_mul_add(self.values, factor.values, addend.values),
         )
     }
 
     /// Return the square root.
     #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
-        self.with(self.simd.sqrt_f64s(self.values))
+        self.with(self.simd.sqrt(self.values))
     }
 
     /// Return the absolute value.
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        let magnitude = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
-        self.with(self.simd.and_f64s(magnitude, self.values))
+        self.with(self.simd.abs(self.values))
     }
 
     /// Return max(self, 0); NaN is kept.
@@ -168,31 +166,31 @@ impl<S: Simd> Lanes<S> {
     /// Return the larger number; undefined if one is NaN.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
-        self.with(self.simd.max_f64s(self.values, other.values))
+        self.with(self.simd.max(self.values, other.values))
     }
 
     /// Return the smaller number; undefined if one is NaN.
     #[inline(always)]
     pub(crate) fn min(self, other: Self) -> Self {
-        self.with(self.simd.min_f64s(self.values, other.values))
+        self.with(self.simd.min(self.values, other.values))
     }
 
     /// Return the largest of all lanes.
     #[inline(always)]
     pub(crate) fn greatest(self) -> f64 {
-        self.simd.reduce_max_f64s(self.values)
+        self.simd.greatest(self.values)
     }
 
     /// Return the sum of all lanes: halves are added until one number is left.
     #[inline(always)]
     pub(crate) fn sum(self) -> f64 {
-        self.simd.reduce_sum_f64s(self.values)
+        self.simd.sum(self.values)
     }
 
     /// Shift `count` numbers down by one lane and put `next` after them; the remaining lanes are zero.
     #[inline(always)]
     pub(crate) fn followed_by(self, next: f64, count: usize) -> Self {
-        if S::F64_LANES == WIDTH {
+        if S::LANES == WIDTH {
             let lane = lane_numbers(self.simd);
             let last = lane.greater(self.constant(count as f64 - 1.5));
             let turned = last.select(self.constant(next), self.turned());
@@ -200,9 +198,9 @@ impl<S: Simd> Lanes<S> {
                 .less(self.constant(count as f64 - 0.5))
                 .select(turned, self.constant(0.0));
         }
-        let mut numbers = [0.0; WIDTH];
+        let mut numbers = [S::Number::default(); WIDTH];
         vectors_mut::<S>(&mut numbers, 1)[0] = self.values;
-        numbers[count] = next;
+        numbers[count] = Number::nearest(next);
         load(self.simd, &vectors::<S>(&numbers[1..], 1)[0])
     }
 
@@ -215,41 +213,41 @@ impl<S: Simd> Lanes<S> {
     /// Rotate all lanes down by one; the first becomes the last.
     #[inline(always)]
     fn turned(self) -> Self {
-        self.with(self.simd.rotate_left_f64s(self.values, 1))
+        self.with(self.simd.rotate(self.values, 1))
     }
 
     /// Rotate all lanes down by `distance`.
     #[inline(always)]
     pub(crate) fn turned_by(self, distance: usize) -> Self {
-        self.with(self.simd.rotate_left_f64s(self.values, distance))
+        self.with(self.simd.rotate(self.values, distance))
     }
 
     /// Return self > other.
     #[inline(always)]
     pub(crate) fn greater(self, other: Self) -> Mask<S> {
-        self.mask(self.simd.greater_than_f64s(self.values, other.values))
+        self.mask(self.simd.greater(self.values, other.values))
     }
 
     /// Return self < other.
     #[inline(always)]
     pub(crate) fn less(self, other: Self) -> Mask<S> {
-        self.mask(self.simd.less_than_f64s(self.values, other.values))
+        self.mask(self.simd.less(self.values, other.values))
     }
 
     /// Return true for self > other and for NaN.
     #[inline(always)]
     pub(crate) fn exceeds(self, other: Self) -> Mask<S> {
-        let within = self.simd.less_than_or_equal_f64s(self.values, other.values);
-        self.mask(self.simd.not_m64s(within))
+        let within = self.simd.at_most(self.values, other.values);
+        self.mask(self.simd.not(within))
     }
 
     #[inline(always)]
-    fn with(self, values: S::f64s) -> Self {
+    fn with(self, values: S::Vector) -> Self {
         Self { values, ..self }
     }
 
     #[inline(always)]
-    fn mask(self, values: S::m64s) -> Mask<S> {
+    fn mask(self, values: S::Mask) -> Mask<S> {
         Mask {
             simd: self.simd,
             values,
@@ -257,11 +255,11 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-impl<S: Simd> Mask<S> {
+impl<S: Vectors> Mask<S> {
     /// Return `yes` where true and `no` where false.
     #[inline(always)]
     pub(crate) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
-        yes.with(self.simd.select_f64s(self.values, yes.values, no.values))
+        yes.with(self.simd.select(self.values, yes.values, no.values))
     }
 
     /// Select two vectors.
@@ -273,14 +271,14 @@ impl<S: Simd> Mask<S> {
     /// Return whether any lane is true.
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
-        self.simd.first_true_m64s(self.values) < S::F64_LANES
+        self.simd.first_true(self.values) < S::LANES
     }
 
     /// Return the conjunction.
     #[inline(always)]
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
-            values: self.simd.and_m64s(self.values, other.values),
+            values: self.simd.both(self.values, other.values),
             ..self
         }
     }
@@ -289,7 +287,7 @@ impl<S: Simd> Mask<S> {
     #[inline(always)]
     pub(crate) fn or(self, other: Self) -> Self {
         Self {
-            values: self.simd.or_m64s(self.values, other.values),
+            values: self.simd.either(self.values, other.values),
             ..self
         }
     }
@@ -298,7 +296,7 @@ impl<S: Simd> Mask<S> {
     #[inline(always)]
     pub(crate) fn differs(self, other: Self) -> Self {
         Self {
-            values: self.simd.xor_m64s(self.values, other.values),
+            values: self.simd.differ(self.values, other.values),
             ..self
         }
     }
@@ -307,7 +305,7 @@ impl<S: Simd> Mask<S> {
     #[inline(always)]
     pub(crate) fn not(self) -> Self {
         Self {
-            values: self.simd.not_m64s(self.values),
+            values: self.simd.not(self.values),
             ..self
         }
     }
@@ -315,31 +313,30 @@ impl<S: Simd> Mask<S> {
 
 /// Implement an operator by the operation of all lanes.
 macro_rules! operator {
-    ($($operator:ident, $method:ident, $operation:ident;)*) => {$(
-        impl<S: Simd> $operator for Lanes<S> {
+    ($($operator:ident, $method:ident;)*) => {$(
+        impl<S: Vectors> $operator for Lanes<S> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.with(self.simd.$operation(self.values, other.values))
+                self.with(self.simd.$method(self.values, other.values))
             }
         }
     )*};
 }
 
 operator! {
-    Add, add, add_f64s;
-    Sub, sub, sub_f64s;
-    Mul, mul, mul_f64s;
-    Div, div, div_f64s;
+    Add, add;
+    Sub, sub;
+    Mul, mul;
+    Div, div;
 }
 
-impl<S: Simd> Neg for Lanes<S> {
+impl<S: Vectors> Neg for Lanes<S> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        // Written out, because pulp's own operation is not always inlined into a kernel and then loses its instruction set.
-        self.with(self.simd.xor_f64s(self.values, self.simd.splat_f64s(-0.0)))
+        self.with(self.simd.negate(self.values))
     }
 }

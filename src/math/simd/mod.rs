@@ -16,6 +16,7 @@ mod lanes;
 mod ln;
 mod ordered_sums;
 mod pack8;
+mod precision;
 mod rotate;
 mod sin_cos;
 #[cfg(test)]
@@ -34,7 +35,11 @@ pub(crate) use lanes::{
 pub(super) use ln::scaled_to;
 pub(crate) use ln::{ln_of_quotient, octaves_of_quotient};
 pub(crate) use ordered_sums::{PartialSums, Squares};
-pub(crate) use pack8::{Pack, Pack8, packs, packs_mut, part_of, parts, put_part, read, write};
+pub(crate) use pack8::{
+    Pack, Pack8, packs, packs_mut, part_of, parts, put_double_part, put_part, read, read_rounded,
+    rounded_part, write,
+};
+pub(crate) use precision::{Number, Single, Vectors};
 pub(crate) use rotate::rotated;
 pub(crate) use sin_cos::sin_cos;
 pub(crate) use transpose::transposed;
@@ -49,10 +54,10 @@ pub fn padded(length: usize) -> usize {
 }
 
 /// Numbers aligned to a cache line, so that no vector crosses a cache line.
-pub(crate) type Numbers = AVec<f64, ConstAlign<64>>;
+pub(crate) type Numbers<T = f64> = AVec<T, ConstAlign<64>>;
 
 /// Return zeros for `length` numbers, padded.
 #[must_use]
-pub(crate) fn padded_zeros(length: usize) -> Numbers {
-    avec![[64]| 0.0; padded(length)]
+pub(crate) fn padded_zeros<T: Number>(length: usize) -> Numbers<T> {
+    avec![[64]| T::default(); padded(length)]
 }

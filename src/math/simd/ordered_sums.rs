@@ -2,16 +2,16 @@
 
 use pulp::Simd;
 
-use super::{Lanes, WIDTH, part_of, parts, put_part};
+use super::{Lanes, Number, Vectors, WIDTH, part_of, parts, put_part};
 
 /// Sum as partial sums, one for each lane of the widest vectors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct PartialSums([f64; WIDTH]);
+pub(crate) struct PartialSums<T = f64>([T; WIDTH]);
 
-impl PartialSums {
+impl<T: Number> PartialSums<T> {
     /// Add vector `block` of an array.
     #[inline(always)]
-    pub(crate) fn add<S: Simd>(&mut self, block: usize, values: Lanes<S>) {
+    pub(crate) fn add<S: Vectors<Number = T>>(&mut self, block: usize, values: Lanes<S>) {
         let turn = block % parts::<S>().len();
         // Constant indices: with a variable one, a struct that holds the sums would stay in memory with all its fields.
         for part in parts::<S>() {
@@ -23,7 +23,7 @@ impl PartialSums {
 
     /// Add vector `part` of a pack.
     #[inline(always)]
-    pub(crate) fn add_part<S: Simd>(&mut self, part: usize, values: Lanes<S>) {
+    pub(crate) fn add_part<S: Vectors<Number = T>>(&mut self, part: usize, values: Lanes<S>) {
         let sum = part_of(values.simd(), &self.0, part);
         put_part(&mut self.0, part, values + sum);
     }
@@ -37,7 +37,7 @@ impl PartialSums {
     /// Return the sum, in the same order for all widths.
     #[inline(always)]
     pub(crate) fn total(&self) -> f64 {
-        let [a, b, c, d, e, f, g, h] = self.0;
+        let [a, b, c, d, e, f, g, h] = self.0.map(Number::double);
         ((a + e) + (c + g)) + ((b + f) + (d + h))
     }
 }

@@ -2,67 +2,85 @@
 //!
 //! Arrays are read as packs, too: a pack has a constant length, so that its vectors are read without a check of bounds.
 
-use pulp::Simd;
-
-use super::{Lanes, WIDTH, load, vectors, vectors_mut};
+use super::{Lanes, Vectors, WIDTH, load, vectors, vectors_mut};
 
 /// Eight numbers of an array, from any entry on.
-pub(crate) type Pack = [f64; WIDTH];
+pub(crate) type Pack<T = f64> = [T; WIDTH];
 
 /// Return the first `count` packs of an array.
 #[inline(always)]
-pub(crate) fn packs(array: &[f64], count: usize) -> &[Pack] {
+pub(crate) fn packs<T>(array: &[T], count: usize) -> &[Pack<T>] {
     &array.as_chunks().0[..count]
 }
 
 /// Return the first `count` packs of an array, mutable.
 #[inline(always)]
-pub(crate) fn packs_mut(array: &mut [f64], count: usize) -> &mut [Pack] {
+pub(crate) fn packs_mut<T>(array: &mut [T], count: usize) -> &mut [Pack<T>] {
     &mut array.as_chunks_mut().0[..count]
 }
 
 /// Load vector `part` of a pack.
 #[inline(always)]
-pub(crate) fn part_of<S: Simd>(simd: S, pack: &Pack, part: usize) -> Lanes<S> {
-    load(simd, &vectors::<S>(pack, WIDTH / S::F64_LANES)[part])
+pub(crate) fn part_of<S: Vectors>(simd: S, pack: &Pack<S::Number>, part: usize) -> Lanes<S> {
+    load(simd, &vectors::<S>(pack, WIDTH / S::LANES)[part])
 }
 
 /// Store vector `part` of a pack.
 #[inline(always)]
-pub(crate) fn put_part<S: Simd>(pack: &mut Pack, part: usize, values: Lanes<S>) {
-    vectors_mut::<S>(pack, WIDTH / S::F64_LANES)[part] = values.values();
+pub(crate) fn put_part<S: Vectors>(pack: &mut Pack<S::Number>, part: usize, values: Lanes<S>) {
+    vectors_mut::<S>(pack, WIDTH / S::LANES)[part] = values.values();
 }
 
 /// Eight numbers aligned to a cache line.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(64))]
-pub(crate) struct Pack8(pub(crate) Pack);
+pub(crate) struct Pack8<T = f64>(pub(crate) Pack<T>);
 
-impl Pack8 {
+impl<T> Pack8<T> {
     /// Load vector `part`.
     #[inline(always)]
-    pub(crate) fn at<S: Simd>(&self, simd: S, part: usize) -> Lanes<S> {
+    pub(crate) fn at<S: Vectors<Number = T>>(&self, simd: S, part: usize) -> Lanes<S> {
         part_of(simd, &self.0, part)
     }
 
     /// Store vector `part`.
     #[inline(always)]
-    pub(crate) fn put<S: Simd>(&mut self, part: usize, values: Lanes<S>) {
+    pub(crate) fn put<S: Vectors<Number = T>>(&mut self, part: usize, values: Lanes<S>) {
         put_part(&mut self.0, part, values);
     }
 }
 
+impl Pack8 {
+    /// Load vector `part`, rounded to the precision of `S`.
+    #[inline(always)]
+    pub(crate) fn rounded<S: Vectors>(&self, simd: S, part: usize) -> Lanes<S> {
+        rounded_part(simd, &self.0, part)
+    }
+}
+
+/// Load vector `part` of a pack of doubles, rounded to the precision of `S`.
+#[inline(always)]
+pub(crate) fn rounded_part<S: Vectors>(simd: S, pack: &Pack, part: usize) -> Lanes<S> {
+    Lanes::new(simd, simd.load_doubles(pack, part))
+}
+
+/// Store vector `part` of a pack of doubles.
+#[inline(always)]
+pub(crate) fn put_double_part<S: Vectors>(pack: &mut Pack, part: usize, values: Lanes<S>) {
+    values.simd().store_doubles(pack, part, values.values());
+}
+
 /// Return the indices of the vectors of a pack.
 #[inline(always)]
-pub(crate) fn parts<S: Simd>() -> std::ops::Range<usize> {
-    0..WIDTH / S::F64_LANES
+pub(crate) fn parts<S: Vectors>() -> std::ops::Range<usize> {
+    0..WIDTH / S::LANES
 }
 
 /// Load vector `part` of each pack.
 #[inline(always)]
-pub(crate) fn read<S: Simd, const N: usize>(
+pub(crate) fn read<S: Vectors, const N: usize>(
     simd: S,
-    packs8: &[Pack8; N],
+    packs8: &[Pack8<S::Number>; N],
     part: usize,
 ) -> [Lanes<S>; N] {
     let mut values = [Lanes::splat(simd, 0.0); N];
@@ -72,10 +90,24 @@ pub(crate) fn read<S: Simd, const N: usize>(
     values
 }
 
+/// Load vector `part` of each pack of doubles, rounded to the precision of `S`.
+#[inline(always)]
+pub(crate) fn read_rounded<S: Vectors, const N: usize>(
+    simd: S,
+    packs8: &[Pack8; N],
+    part: usize,
+) -> [Lanes<S>; N] {
+    let mut values = [Lanes::splat(simd, 0.0); N];
+    for (value, pack8) in values.iter_mut().zip(packs8) {
+        *value = pack8.rounded(simd, part);
+    }
+    values
+}
+
 /// Store vector `part` of each pack.
 #[inline(always)]
-pub(crate) fn write<S: Simd, const N: usize>(
-    packs8: &mut [Pack8; N],
+pub(crate) fn write<S: Vectors, const N: usize>(
+    packs8: &mut [Pack8<S::Number>; N],
     part: usize,
     values: [Lanes<S>; N],
 ) {

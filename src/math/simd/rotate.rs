@@ -3,20 +3,18 @@
 #[cfg(target_arch = "x86_64")]
 use std::any::Any;
 
-use pulp::Simd;
-
-use super::{Lanes, WIDTH, load, parts, vectors, vectors_mut};
+use super::{Lanes, Vectors, WIDTH, load, parts, vectors, vectors_mut};
 
 /// Return the eight numbers of the first vectors rotated to the left: entry k holds the value of entry k + `distance`, cyclically. Further
 /// vectors have no meaning.
 #[inline(always)]
-pub(crate) fn rotated<S: Simd>(
+pub(crate) fn rotated<S: Vectors>(
     simd: S,
     numbers: [Lanes<S>; WIDTH],
     distance: usize,
 ) -> [Lanes<S>; WIDTH] {
     let mut rotated = numbers;
-    if S::F64_LANES == WIDTH {
+    if S::LANES == WIDTH {
         rotated[0] = numbers[0].turned_by(distance);
         return rotated;
     }
@@ -29,15 +27,15 @@ pub(crate) fn rotated<S: Simd>(
         }
     }
     // Two copies in sequence make every vector of the rotated numbers contiguous in memory.
-    let count = WIDTH / S::F64_LANES;
-    let mut twice = [0.0; 2 * WIDTH];
+    let count = WIDTH / S::LANES;
+    let mut twice = [S::Number::default(); 2 * WIDTH];
     let copies = vectors_mut::<S>(&mut twice, 2 * count);
     for part in parts::<S>() {
         copies[part] = numbers[part].values();
         copies[part + count] = numbers[part].values();
     }
     for part in parts::<S>() {
-        let from = &twice[distance + part * S::F64_LANES..];
+        let from = &twice[distance + part * S::LANES..];
         rotated[part] = load(simd, &vectors::<S>(from, 1)[0]);
     }
     rotated
@@ -46,7 +44,7 @@ pub(crate) fn rotated<S: Simd>(
 /// Rotate two vectors of four lanes without memory: a load of numbers from two stores has to wait for both.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn two_vectors<S: Simd>(
+fn two_vectors<S: Vectors>(
     instructions: pulp::x86::V3,
     low: Lanes<S>,
     high: Lanes<S>,
@@ -59,8 +57,8 @@ fn two_vectors<S: Simd>(
     const SECOND_AND_FIRST: i32 = 0b0101;
 
     let avx = instructions.avx;
-    let of = |lanes: Lanes<S>| bytemuck::cast::<S::f64s, __m256d>(lanes.values());
-    let back = |values| Lanes::new(low.simd(), bytemuck::cast::<__m256d, S::f64s>(values));
+    let of = |lanes: Lanes<S>| bytemuck::cast::<S::Vector, __m256d>(lanes.values());
+    let back = |values| Lanes::new(low.simd(), bytemuck::cast::<__m256d, S::Vector>(values));
     let (low, high) = if distance % WIDTH < WIDTH / 2 {
         (of(low), of(high))
     } else {
@@ -86,40 +84,52 @@ fn two_vectors<S: Simd>(
 
 #[cfg(test)]
 mod tests {
-    use pulp::WithSimd;
+    use pulp::{Simd, WithSimd};
 
     use super::*;
-    use crate::math::simd::InstructionSet;
+    use crate::math::simd::{InstructionSet, Number};
 
-    struct Rotate<'a>(&'a mut [f64; WIDTH], usize);
+    struct Rotate<'a, T>(&'a mut [T; WIDTH], usize);
 
-    impl WithSimd for Rotate<'_> {
-        type Output = ();
+    impl<T: Number> Rotate<'_, T> {
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) {
+        fn run<S: Vectors<Number = T>>(self, simd: S) {
             let mut numbers = [Lanes::splat(simd, 0.0); WIDTH];
             for part in parts::<S>() {
-                numbers[part] = load(simd, &vectors::<S>(self.0, WIDTH / S::F64_LANES)[part]);
+                numbers[part] = load(simd, &vectors::<S>(self.0, WIDTH / S::LANES)[part]);
             }
             let rotated = rotated(simd, numbers, self.1);
-            let to = vectors_mut::<S>(self.0, WIDTH / S::F64_LANES);
+            let to = vectors_mut::<S>(self.0, WIDTH / S::LANES);
             for part in parts::<S>() {
                 to[part] = rotated[part].values();
             }
         }
     }
 
-    #[test]
-    fn entries_move_to_the_left_by_every_distance_at_every_width() {
+    impl<T: Number> WithSimd for Rotate<'_, T> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.run(T::vectors(simd));
+        }
+    }
+
+    fn assert_entries_move<T: Number + PartialEq>() {
         for set in InstructionSet::available() {
             for distance in 0..WIDTH {
-                let mut numbers: [f64; WIDTH] = std::array::from_fn(|k| k as f64);
-                set.run(Rotate(&mut numbers, distance));
+                let mut numbers: [T; WIDTH] = std::array::from_fn(|k| T::nearest(k as f64));
+                T::run(set, Rotate(&mut numbers, distance));
                 for (k, &number) in numbers.iter().enumerate() {
-                    let expected = ((k + distance) % WIDTH) as f64;
+                    let expected = T::nearest(((k + distance) % WIDTH) as f64);
                     assert_eq!(number, expected, "{} by {distance}", set.name());
                 }
             }
         }
+    }
+
+    #[test]
+    fn entries_move_to_the_left_by_every_distance_at_every_width_in_both_precisions() {
+        assert_entries_move::<f64>();
+        assert_entries_move::<f32>();
     }
 }

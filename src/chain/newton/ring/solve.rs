@@ -1,16 +1,21 @@
 //! Solution of the ring with its factors: substitution in the eight parts, and cyclic reduction of their last hinges.
 
-use pulp::Simd;
-
 use super::super::blocks::{Block, Symmetric, Vector, from_left, from_right};
 use super::{BASE, Ring, Round, gather};
 use crate::math::dense::Dense;
-use crate::math::simd::{Lanes, Numbers, WIDTH, parts, transposed, vectors_mut, write};
+use crate::math::simd::{
+    Lanes, Number, Numbers, Vectors, WIDTH, parts, transposed, vectors_mut, write,
+};
 
-impl Round {
+impl<T: Number> Round<T> {
     /// Eliminate both neighbours at `distance` from the right-hand sides.
     #[inline(always)]
-    fn reduce<S: Simd>(&self, simd: S, distance: usize, unknowns: &mut [Vector<S>; WIDTH]) {
+    fn reduce<S: Vectors<Number = T>>(
+        &self,
+        simd: S,
+        distance: usize,
+        unknowns: &mut [Vector<S>; WIDTH],
+    ) {
         let left = from_left(simd, *unknowns, distance);
         let right = from_right(simd, *unknowns, distance);
         for part in parts::<S>() {
@@ -20,57 +25,64 @@ impl Round {
     }
 }
 
-impl Ring {
+impl<T: Number> Ring<T> {
     /// Solve in place: x and y of the unknowns of all hinges, hinge k at [`BASE`] + k.
     #[inline(always)]
-    pub(in super::super) fn solve<S: Simd>(&mut self, simd: S, unknowns: &mut [Numbers; 2]) {
+    pub(in super::super) fn solve<S: Vectors<Number = T>>(
+        &mut self,
+        simd: S,
+        unknowns: &mut [Numbers<T>; 2],
+    ) {
         if let Some(dense) = &self.dense {
             let [x, y] = unknowns;
             let hinges = BASE..BASE + self.hinges;
             return solve_short(dense, &mut x[hinges.clone()], &mut y[hinges]);
         }
-        for (axis, numbers) in unknowns.iter().enumerate() {
-            self.take_right_hand_side(simd, axis, numbers);
-        }
+        self.take_right_hand_sides(simd, unknowns);
         self.solve_places(simd);
         for (axis, numbers) in unknowns.iter_mut().enumerate() {
             self.give_back(simd, axis, numbers);
         }
     }
 
-    /// Copy one axis of the right-hand sides place by place; empty first places get zero.
+    /// Copy the right-hand sides place by place; empty first places get zero.
     #[inline(always)]
-    fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
+    fn take_right_hand_sides<S: Vectors<Number = T>>(&mut self, simd: S, from: &[Numbers<T>; 2]) {
         for part in parts::<S>() {
-            let mut starts = [0; WIDTH];
-            starts[..S::F64_LANES].copy_from_slice(self.starts_of::<S>(part));
             for first in self.vector_places::<S>() {
-                let columns = gather(simd, &from[first..], &starts);
-                let places = &mut self.unknowns[first..first + S::F64_LANES];
-                for lane in 0..S::F64_LANES {
-                    places[lane][axis].put(part, columns[lane]);
+                let Self {
+                    starts, unknowns, ..
+                } = &mut *self;
+                let starts = &starts[part * S::LANES..(part + 1) * S::LANES];
+                let places = &mut unknowns[first..first + S::LANES];
+                for axis in 0..2 {
+                    let columns = gather(simd, &from[axis][first..], starts);
+                    for lane in 0..S::LANES {
+                        places[lane][axis].put(part, columns[lane]);
+                    }
                 }
             }
             if self.has_single_place::<S>() {
                 let last = self.count - 1;
-                let place = &mut self.unknowns[last][axis].0;
-                for lane in 0..S::F64_LANES {
-                    place[part * S::F64_LANES + lane] = from[starts[lane] + last];
+                for lane in part * S::LANES..(part + 1) * S::LANES {
+                    for axis in 0..2 {
+                        let place = &mut self.unknowns[last][axis].0;
+                        place[lane] = from[axis][self.starts[lane] + last];
+                    }
                 }
             }
             let all = self.have_all(simd, part);
-            let first = &mut self.unknowns[0][axis];
-            first.put(
-                part,
-                all.select(first.at(simd, part), Lanes::splat(simd, 0.0)),
-            );
+            for first in &mut self.unknowns[0] {
+                let some = all.select(first.at(simd, part), Lanes::splat(simd, 0.0));
+                first.put(part, some);
+            }
         }
     }
 
     /// Write one axis of the unknowns hinge by hinge.
     #[inline(always)]
-    fn give_back<S: Simd>(&self, simd: S, axis: usize, to: &mut [f64]) {
-        let lanes = S::F64_LANES;
+    fn give_back<S: Vectors<Number = T>>(&self, simd: S, axis: usize, to: &mut [T]) {
+        let lanes = S::LANES;
         // The last vectors end with the last place where a part has as many places as a vector has lanes. Otherwise the next part
         // overwrites the values behind the last place.
         let most = self.count.saturating_sub(lanes);
@@ -103,24 +115,26 @@ impl Ring {
             to[self.starts[part]] = last[part - 1];
         }
         let behind = &mut to[BASE + self.hinges..BASE + self.hinges + WIDTH];
-        behind.fill(0.0);
+        behind.fill(T::default());
     }
 
     /// Solve for the unknowns, which initially hold the right-hand sides place by place.
     #[inline(always)]
-    fn solve_places<S: Simd>(&mut self, simd: S) {
+    fn solve_places<S: Vectors<Number = T>>(&mut self, simd: S) {
         let last = self.count - 1;
+        // Slices with known lengths: bounds are checked once.
+        let (places, kept) = (&self.places[..last], &mut self.unknowns[..=last]);
         let mut to_last = [Vector::zero(simd); WIDTH];
         let mut unknowns = [Vector::zero(simd); WIDTH];
         for part in parts::<S>() {
             // Forward elimination of the parts.
-            let mut right = Vector::read(simd, &self.unknowns[0], part);
+            let mut right = Vector::read(simd, &kept[0], part);
             for j in 0..last {
-                let place = &self.places[j];
+                let place = &places[j];
                 to_last[part].add(&Block::read(simd, &place.before, part).transposed_of(&right));
-                let next = Vector::read(simd, &self.unknowns[j + 1], part);
+                let next = Vector::read(simd, &kept[j + 1], part);
                 right = Block::read(simd, &place.next, part).transposed_less(&next, &right);
-                write(&mut self.unknowns[j + 1], part, right.0);
+                write(&mut kept[j + 1], part, right.0);
             }
             unknowns[part] = right;
         }
@@ -142,28 +156,28 @@ impl Ring {
         let before = from_left(simd, unknowns, 1);
         for part in parts::<S>() {
             let mut next = unknowns[part];
-            write(&mut self.unknowns[last], part, next.0);
+            write(&mut kept[last], part, next.0);
             for j in (0..last).rev() {
-                let place = &self.places[j];
-                let right = Vector::read(simd, &self.unknowns[j], part);
+                let place = &places[j];
+                let right = Vector::read(simd, &kept[j], part);
                 let own = Symmetric::read(simd, &place.own, part).of(&right);
                 let own = Block::read(simd, &place.before, part).less(&own, &before[part]);
                 next = Block::read(simd, &place.next, part).less(&own, &next);
-                write(&mut self.unknowns[j], part, next.0);
+                write(&mut kept[j], part, next.0);
             }
         }
     }
 }
 
 /// Solve a ring with fewer hinges than parts.
-fn solve_short(dense: &Dense, x: &mut [f64], y: &mut [f64]) {
+fn solve_short<T: Number>(dense: &Dense, x: &mut [T], y: &mut [T]) {
     let mut unknowns = [0.0; 2 * WIDTH];
     let count = x.len();
     for (pair, (x, y)) in unknowns.chunks_exact_mut(2).zip(x.iter().zip(&*y)) {
-        pair.copy_from_slice(&[*x, *y]);
+        pair.copy_from_slice(&[x.double(), y.double()]);
     }
     dense.solve(&mut unknowns[..2 * count]);
     for (pair, (x, y)) in unknowns.chunks_exact(2).zip(x.iter_mut().zip(y)) {
-        (*x, *y) = (pair[0], pair[1]);
+        (*x, *y) = (T::nearest(pair[0]), T::nearest(pair[1]));
     }
 }

@@ -11,7 +11,7 @@ use super::{ChainFound, RepeatBushings};
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Entries, Lanes, Mask, both, both_mut, lane_numbers, load, vectors, vectors_mut,
+    Entries, Lanes, Mask, both, both_mut, lane_numbers, load, parts, vectors, vectors_mut,
 };
 
 /// Rollers in the kernels.
@@ -113,12 +113,14 @@ impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> WithSimd
                     there.select(value, zero)
                 }
             };
+            let (number, part) = (i / parts::<S>().len(), i % parts::<S>().len());
+            let of_roller = |array: &Entries<S>| array.at(number, part);
             let roller = LinkEnd {
-                x: x.at(i),
-                y: y.at(i),
-                vx: vx.at(i),
-                vy: vy.at(i),
-                spin: if FRICTION { spin.at(i) } else { zero },
+                x: of_roller(&x),
+                y: of_roller(&y),
+                vx: of_roller(&vx),
+                vy: of_roller(&vy),
+                spin: if FRICTION { of_roller(&spin) } else { zero },
             };
             let bushing = LinkEnd {
                 x: of_bushing(place[0]),

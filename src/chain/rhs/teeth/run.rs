@@ -5,12 +5,12 @@ use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::arrays::pose::SprocketPose;
-use crate::chain::arrays::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
+use crate::chain::arrays::slopes::{ContactSlopes, FrictionGroup, SlopeGroup, group_of};
 use crate::chain::contact::{BushingRun, SprocketCandidates, gap_of};
 use crate::chain::model::SprocketModel;
 use crate::chain::rhs::bristles::BristleLanes;
 use crate::geometry::Vec2;
-use crate::math::simd::{Numbers, both, both_mut, vectors, vectors_mut};
+use crate::math::simd::{Lanes, Numbers, both, both_mut, vectors, vectors_mut};
 
 /// Arrays of one run in SIMD vectors; numbers of gaps bushing by bushing.
 pub(super) struct RunOfBushings<'a, S: Simd> {
@@ -96,6 +96,19 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             gap_cos: vectors_mut::<S>(&mut candidates.gap_cos[slot..], blocks),
             gap_sin: vectors_mut::<S>(&mut candidates.gap_sin[slot..], blocks),
             ends: both_mut::<S>(ends, slot, blocks),
+        }
+    }
+
+    /// Write zero for the slopes of vector `b`, if they are requested.
+    #[inline(always)]
+    pub(super) fn clear_slopes(&mut self, b: usize, zero: Lanes<S>) {
+        if let Some(slopes) = &mut self.slopes {
+            let (group, part) = group_of::<S, _>(slopes, b);
+            group.put(part, [zero; 6]);
+        }
+        if let Some(slopes) = &mut self.friction_arrays.slopes {
+            let (group, part) = group_of::<S, _>(slopes, b);
+            group.slope.put(part, zero);
         }
     }
 
