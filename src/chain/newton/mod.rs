@@ -57,14 +57,14 @@ const WEAK: f64 = 0.14;
 /// γ = 10 µs, by 4e-5 at 30 µs and by 4e-3 at 100 µs.
 const LONGEST: f64 = 3e-5;
 
-/// Smallest mass or moment of inertia for factors of single precision, and the inverse of the largest. The product of three masses stays far
+/// Smallest mass or moment of inertia for factors of single precision, and the inverse of the largest. The product of three masses stays
 /// within the range of such numbers, 1e-38 to 3e38.
 const LIGHTEST: f64 = 1e-12;
 
 /// Contact slopes written by evaluations, the matrix and its factors.
 ///
-/// The factors of a step have single precision, whose vectors hold twice as many numbers. The residual has double precision, so that
-/// rounding affects only how fast the iteration converges: it is far below the terms that the matrix neglects.
+/// The factors of a step have single precision, whose vectors hold twice as many numbers. The residual has double precision. Rounding
+/// changes a correction by far less than the terms that the matrix neglects, but where a hinge is much stiffer than a link is heavy: films.
 #[derive(Debug, Clone)]
 pub(crate) struct NewtonMatrix {
     /// Written by evaluations.
@@ -149,8 +149,12 @@ impl NewtonMatrix {
     /// Assemble and factorise the matrix; return false where it is singular, or indefinite without permission.
     pub(crate) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
         let of = (&self.slopes, &mut self.motions[..]);
-        self.is_double =
-            model.hinges.ideal || evaluated.indefinite || gamma > LONGEST || !self.suits_single;
+        // A thick film has a stiffness of up to 1e4 masses of a link and more, which multiplies the rounding of a correction.
+        self.is_double = model.hinges.ideal
+            || model.hinges.film.is_some()
+            || evaluated.indefinite
+            || gamma > LONGEST
+            || !self.suits_single;
         if !self.is_double {
             if self.single.factorise(of, model, evaluated, gamma) {
                 return true;

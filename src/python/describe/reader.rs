@@ -251,12 +251,11 @@ pub(crate) fn table(
     } else {
         value.clone()
     };
-    let rows = match given.cast::<PyTuple>() {
-        Ok(given) => rows(given, name, axis, unit)?,
-        Err(_) => {
-            let forms = format!("{unit}, or rows ({}, value), or a Table", axis.0);
-            vec![(0.0, finite(&given, name, &forms)?)]
-        }
+    let rows = if let Ok(given) = given.cast::<PyTuple>() {
+        rows(given, name, axis, unit)?
+    } else {
+        let forms = format!("{unit}, or rows ({}, value), or a Table", axis.0);
+        vec![(0.0, finite(&given, name, &forms)?)]
     };
     Ok(Table::against(name, axis, unit, &rows)?)
 }
