@@ -4,7 +4,8 @@
 //! (eliminated) -> ring (hinges) -> border
 //!
 //! The 3x3 blocks of the links are eliminated first. The remainder is a ring of 2x2 blocks, one per hinge, bordered by the
-//! coordinates of the sprockets. The work is proportional to the number of links. No memory is allocated after construction.
+//! coordinates of the sprockets. The work is proportional to the number of links. Memory is allocated at
+//! construction, and once more for factors of double precision when a step first needs them.
 
 #![allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
 #![allow(clippy::needless_range_loop)] // several arrays of packs have one index, whose bound is checked once for all
