@@ -16,7 +16,8 @@
 use super::ring::{BASE, hinge_numbers, hinge_vectors};
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
 use crate::math::simd::{
-    Lanes, Number, Numbers, Pack, Vectors, packs, padded_zeros, parts, read_rounded, vectors_mut,
+    Lanes, Number, Numbers, Pack, Vectors, packs_from, padded_zeros, parts, read_rounded,
+    vectors_mut,
 };
 
 /// Return α and η of vector `part` of these contacts.
@@ -73,9 +74,9 @@ impl<T: Number> HingeRoots<T> {
     pub(super) fn packs(&self, count: usize) -> [&[Pack<T>]; 3] {
         let [xx, yy, xy] = &self.roots;
         [
-            packs(&xx[BASE..], count),
-            packs(&yy[BASE..], count),
-            packs(&xy[BASE..], count),
+            packs_from(xx, BASE, count),
+            packs_from(yy, BASE, count),
+            packs_from(xy, BASE, count),
         ]
     }
 

@@ -7,8 +7,8 @@ use super::spatial::Spatial;
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Lanes, Number, Numbers, Pack, Pack8, Vectors, load, packs, parts, read, rounded_part, vectors,
-    write,
+    Lanes, Number, Numbers, Pack, Pack8, Vectors, load, packs, parts, read, rounded_part,
+    vectors_from, write,
 };
 
 /// Eight links. Links of the padding have mass and inertia one.
@@ -141,8 +141,8 @@ impl<'a, S: Vectors> Bushings<'a, S> {
     #[inline(always)]
     pub(super) fn of(array: &'a [S::Number], count: usize) -> Self {
         Self {
-            front: vectors::<S>(&array[BASE..], count),
-            rear: vectors::<S>(&array[BASE - 1..], count),
+            front: vectors_from::<S>(array, BASE, count),
+            rear: vectors_from::<S>(array, BASE - 1, count),
         }
     }
 
@@ -197,12 +197,12 @@ impl<'a, S: Vectors> LinkRows<'a, S> {
             front_force: [packs(front_x, groups), packs(front_y, groups)],
             rear_force: [packs(rear_x, groups), packs(rear_y, groups)],
             front_arms: [
-                vectors::<S>(&front_u[BASE..], count),
-                vectors::<S>(&front_v[BASE..], count),
+                vectors_from::<S>(front_u, BASE, count),
+                vectors_from::<S>(front_v, BASE, count),
             ],
             rear_arms: [
-                vectors::<S>(&rear_u[BASE - 1..], count),
-                vectors::<S>(&rear_v[BASE - 1..], count),
+                vectors_from::<S>(rear_u, BASE - 1, count),
+                vectors_from::<S>(rear_v, BASE - 1, count),
             ],
         }
     }

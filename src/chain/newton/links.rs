@@ -14,9 +14,9 @@ use super::ring::{BASE, BEFORE, HingeRows, hinge_numbers, put_rows};
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Entries, Lanes, Number, Numbers, Pack, Pack8, PartialSums, Vectors, WIDTH, load, packs,
-    packs_mut, padded_zeros, part_of, parts, put_double_part, put_part, read, rounded_part,
-    vectors, vectors_mut, write,
+    Entries, Lanes, Number, Numbers, Pack, Pack8, PartialSums, Vectors, WIDTH, load, packs_from,
+    packs_from_mut, packs_mut, padded_zeros, part_of, parts, put_double_part, put_part, read,
+    rounded_part, vectors, vectors_from, vectors_mut, write,
 };
 
 /// Return whether a bushing of a group of links touches a tooth; rears add the bushing before the group.
@@ -244,12 +244,15 @@ impl<T: Number> LinkTerms<T> {
         }
         // Hinge k: L_k (F_k w_k - R_(k+1) w_(k+1)) with the free velocities.
         let [behind_x, behind_y] = &self.rear_velocity;
-        let (behind_x, behind_y) = (packs(&behind_x[1..], count), packs(&behind_y[1..], count));
+        let (behind_x, behind_y) = (
+            packs_from(behind_x, 1, count),
+            packs_from(behind_y, 1, count),
+        );
         let roots = roots.packs(count);
         let [x, y] = &mut self.force;
         let (x, y) = (
-            packs_mut(&mut x[BASE..], count),
-            packs_mut(&mut y[BASE..], count),
+            packs_from_mut(x, BASE, count),
+            packs_from_mut(y, BASE, count),
         );
         for number in 0..count {
             for part in parts::<S>() {
@@ -278,8 +281,8 @@ impl<T: Number> LinkTerms<T> {
         let [x, y] = &mut self.force;
         {
             let (x, y) = (
-                packs_mut(&mut x[BASE..], count),
-                packs_mut(&mut y[BASE..], count),
+                packs_from_mut(x, BASE, count),
+                packs_from_mut(y, BASE, count),
             );
             for number in 0..count {
                 for part in parts::<S>() {
@@ -307,8 +310,11 @@ impl<T: Number> LinkTerms<T> {
     ) {
         let count = self.groups.len();
         let [x, y] = &self.force;
-        let (front_x, front_y) = (packs(&x[BASE..], count), packs(&y[BASE..], count));
-        let (rear_x, rear_y) = (packs(&x[BASE - 1..], count), packs(&y[BASE - 1..], count));
+        let (front_x, front_y) = (packs_from(x, BASE, count), packs_from(y, BASE, count));
+        let (rear_x, rear_y) = (
+            packs_from(x, BASE - 1, count),
+            packs_from(y, BASE - 1, count),
+        );
         let (groups, levers) = (&self.groups[..count], &self.levers[..count]);
         let unknowns = &mut unknowns[..count];
         for number in 0..count {
@@ -413,9 +419,9 @@ fn three<S: Vectors>(
     count: usize,
 ) -> [&[S::Vector]; 3] {
     [
-        vectors::<S>(&x[first..], count),
-        vectors::<S>(&y[first..], count),
-        vectors::<S>(&z[first..], count),
+        vectors_from::<S>(x, first, count),
+        vectors_from::<S>(y, first, count),
+        vectors_from::<S>(z, first, count),
     ]
 }
 

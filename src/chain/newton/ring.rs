@@ -12,7 +12,7 @@ use super::blocks::{Block, Symmetric, from_left, from_right};
 use crate::math::dense::Dense;
 use crate::math::simd::{
     Lanes, Mask, Number, Numbers, Pack8, Vectors, WIDTH, lane_numbers, load, no_lane, padded,
-    padded_zeros, parts, transposed, vectors, vectors_mut, write,
+    padded_zeros, parts, transposed, vectors, vectors_from_mut, write,
 };
 
 /// Entry of hinge 0 in arrays with a copy of the last hinge before it.
@@ -56,9 +56,9 @@ pub(super) fn hinge_vectors<S: Vectors>(
     count: usize,
 ) -> [&mut [S::Vector]; 3] {
     [
-        vectors_mut::<S>(&mut xx[BASE..], count),
-        vectors_mut::<S>(&mut yy[BASE..], count),
-        vectors_mut::<S>(&mut xy[BASE..], count),
+        vectors_from_mut::<S>(xx, BASE, count),
+        vectors_from_mut::<S>(yy, BASE, count),
+        vectors_from_mut::<S>(xy, BASE, count),
     ]
 }
 

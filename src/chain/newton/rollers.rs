@@ -17,7 +17,7 @@ use crate::chain::arrays::slopes::ContactSlopes;
 use crate::chain::model::{Model, RollerModel};
 use crate::math::simd::{
     Entries, EntriesMut, Lanes, Number, Numbers, Pack8, PartialSums, Vectors, WIDTH, load, packs,
-    padded_zeros, parts, read, rounded_part, vectors, vectors_mut, write,
+    packs_from, padded_zeros, parts, read, rounded_part, vectors_from, vectors_from_mut, write,
 };
 
 /// Eliminated rollers.
@@ -292,7 +292,7 @@ impl<T: Number> RollerTerms<T> {
         }
         let [front_x, front_y, rear_x, rear_y, spin] = &self.ends;
         let fronts = [&front_x[..], front_y, spin].map(|axis| packs(axis, groups));
-        let rears = [rear_x, rear_y, spin].map(|axis| packs(&axis[1..], groups));
+        let rears = [rear_x, rear_y, spin].map(|axis| packs_from(axis, 1, groups));
         let (to_x, to) = to.split_at_mut(n);
         let (to_y, to_turn) = to.split_at_mut(n);
         let mut to = [to_x, to_y, to_turn].map(|axis| EntriesMut::<S>::of(simd, axis));
@@ -391,9 +391,9 @@ fn dot<S: Vectors, const FRICTION: bool>(left: [Lanes<S>; 3], right: [Lanes<S>; 
 fn of_column<S: Vectors>(column: &[Numbers<S::Number>; 3], registers: usize) -> [&[S::Vector]; 3] {
     let [x, y, turn] = column;
     [
-        vectors::<S>(&x[BASE..], registers),
-        vectors::<S>(&y[BASE..], registers),
-        vectors::<S>(&turn[BASE..], registers),
+        vectors_from::<S>(x, BASE, registers),
+        vectors_from::<S>(y, BASE, registers),
+        vectors_from::<S>(turn, BASE, registers),
     ]
 }
 
@@ -405,8 +405,8 @@ fn of_column_mut<S: Vectors>(
 ) -> [&mut [S::Vector]; 3] {
     let [x, y, turn] = column;
     [
-        vectors_mut::<S>(&mut x[BASE..], registers),
-        vectors_mut::<S>(&mut y[BASE..], registers),
-        vectors_mut::<S>(&mut turn[BASE..], registers),
+        vectors_from_mut::<S>(x, BASE, registers),
+        vectors_from_mut::<S>(y, BASE, registers),
+        vectors_from_mut::<S>(turn, BASE, registers),
     ]
 }

@@ -9,8 +9,8 @@ use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
 use crate::chain::contact::SprocketCandidates;
 use crate::math::simd::{
-    Lanes, Number, Numbers, Pack, PartialSums, Vectors, WIDTH, packs, packs_mut, padded,
-    padded_zeros, part_of, parts, put_part, read_rounded, rounded_part,
+    Lanes, Number, Numbers, Pack, PartialSums, Vectors, WIDTH, packs_from, packs_from_mut,
+    packs_mut, padded, padded_zeros, part_of, parts, put_part, read_rounded, rounded_part,
 };
 
 /// Terms of the teeth, bushing by bushing: change of the force per change of the bushing's velocity, and per change of each
@@ -156,8 +156,8 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
             let groups = run.length.div_ceil(WIDTH);
             let [x, y] = self.bushing;
             let (x, y) = (
-                packs(&x[run.first..], groups),
-                packs(&y[run.first..], groups),
+                packs_from(x, run.first, groups),
+                packs_from(y, run.first, groups),
             );
             let ToothTerms {
                 tooth_stiffness: [xx, yy, xy],
@@ -169,9 +169,9 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
             let mut terms = TermsOfRun {
                 first,
                 tooth_stiffness: [
-                    packs_mut(&mut xx[first..], groups),
-                    packs_mut(&mut yy[first..], groups),
-                    packs_mut(&mut xy[first..], groups),
+                    packs_from_mut(xx, first, groups),
+                    packs_from_mut(yy, first, groups),
+                    packs_from_mut(xy, first, groups),
                 ],
                 spun,
                 columns: &mut column[self.first..],

@@ -11,7 +11,7 @@ use super::Kernels;
 use crate::chain::contact::SprocketCandidates;
 use crate::chain::model::{BristlePlaces, Model};
 use crate::force_law::{Ahead, BristleLaw, LuGre};
-use crate::math::simd::{Lanes, Mask, Numbers, load, padded_zeros, vectors_mut};
+use crate::math::simd::{Lanes, Mask, Numbers, load, padded_zeros, vectors_from_mut, vectors_mut};
 
 /// Kinds of contacts; each kind has its own loop and arrays.
 #[derive(Debug, Clone, Copy)]
@@ -165,8 +165,8 @@ impl<'a> Bristling<'a> {
             law: BristleLaw::new(simd, self.law),
             radius: Lanes::splat(simd, self.radius),
             gamma: self.gamma.map(|gamma| Lanes::splat(simd, gamma)),
-            deflection: vectors_mut::<S>(&mut self.deflection[first..], blocks),
-            rate: vectors_mut::<S>(&mut self.rate[first..], blocks),
+            deflection: vectors_from_mut::<S>(&mut self.deflection, first, blocks),
+            rate: vectors_from_mut::<S>(&mut self.rate, first, blocks),
         }
     }
 

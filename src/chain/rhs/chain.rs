@@ -9,8 +9,8 @@ use pulp::{Simd, WithSimd};
 
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
-    Lanes, Pack, WIDTH, lane_numbers, load, packs, packs_mut, partial_load, sin_cos, vectors,
-    vectors_mut,
+    Lanes, Pack, WIDTH, lane_numbers, load, packs, packs_from_mut, packs_mut, partial_load,
+    sin_cos, vectors, vectors_mut,
 };
 use ends::{Arms, LinkEnd, Links, behind_last, last_links};
 use hinges::Hinges;
@@ -218,10 +218,10 @@ impl WithSimd for RepeatBushings<'_> {
                 first_packs(vy, n, whole),
             ];
             let [to_front_x, to_front_y, to_rear_x, to_rear_y] = [
-                packs_mut(&mut front_x[n..], whole),
-                packs_mut(&mut front_y[n..], whole),
-                packs_mut(&mut rear_x[n..], whole),
-                packs_mut(&mut rear_y[n..], whole),
+                packs_from_mut(front_x, n, whole),
+                packs_from_mut(front_y, n, whole),
+                packs_from_mut(rear_x, n, whole),
+                packs_from_mut(rear_y, n, whole),
             ];
             for i in 0..whole {
                 (to_x[i], to_y[i], to_vx[i], to_vy[i]) = (x[i], y[i], vx[i], vy[i]);

@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
-    Lanes, WIDTH, both, load, packs, part_of, parts, put_part, splat_two, vectors,
+    Lanes, WIDTH, both, load, packs, part_of, parts, put_part, splat_two, vectors, vectors_from,
 };
 
 /// Kernel of the accelerations of all links. `FRICTION`: with moments about the hinges.
@@ -72,7 +72,7 @@ impl<const FRICTION: bool> WithSimd for AccelerateLinks<'_, FRICTION> {
             moments: if FRICTION {
                 [
                     vectors::<S>(front_moment, blocks),
-                    vectors::<S>(&rear_moment[FIRST..], blocks),
+                    vectors_from::<S>(rear_moment, FIRST, blocks),
                 ]
             } else {
                 [&[], &[]]

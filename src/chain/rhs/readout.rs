@@ -16,7 +16,7 @@ use crate::chain::model::Model;
 use crate::chain::motion::Motion;
 use crate::geometry::Vec2;
 use crate::math::simd::{
-    Lanes, Numbers, both, both_mut, load, padded_zeros, splat_two, vectors, vectors_mut,
+    Lanes, Numbers, both, both_mut, load, padded_zeros, splat_two, vectors_from, vectors_from_mut,
 };
 
 /// Contact quantities of the candidates of one sprocket, slot by slot.
@@ -78,17 +78,17 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
             let (slot, blocks) = (run.slot, run.length.div_ceil(S::F64_LANES));
             let bushing = both::<S>(&self.arrays.bushing, run.first, blocks);
             let velocity = both::<S>(&self.arrays.bushing_velocity, run.first, blocks);
-            let gap_cos = vectors::<S>(&self.candidates.gap_cos[slot..], blocks);
-            let gap_sin = vectors::<S>(&self.candidates.gap_sin[slot..], blocks);
-            let depth = vectors::<S>(&self.candidates.depth[slot..], blocks);
+            let gap_cos = vectors_from::<S>(&self.candidates.gap_cos, slot, blocks);
+            let gap_sin = vectors_from::<S>(&self.candidates.gap_sin, slot, blocks);
+            let depth = vectors_from::<S>(&self.candidates.depth, slot, blocks);
             let readings = &mut *self.readings;
-            let penetration = vectors_mut::<S>(&mut readings.penetration[slot..], blocks);
-            let rate = vectors_mut::<S>(&mut readings.rate[slot..], blocks);
-            let force = vectors::<S>(&self.candidates.force[slot..], blocks);
-            let friction = vectors::<S>(&self.candidates.friction[slot..], blocks);
+            let penetration = vectors_from_mut::<S>(&mut readings.penetration, slot, blocks);
+            let rate = vectors_from_mut::<S>(&mut readings.rate, slot, blocks);
+            let force = vectors_from::<S>(&self.candidates.force, slot, blocks);
+            let friction = vectors_from::<S>(&self.candidates.friction, slot, blocks);
             let on_bushing = both_mut::<S>(&mut readings.on_bushing, slot, blocks);
-            let number = vectors_mut::<S>(&mut readings.surface[slot..], blocks);
-            let on_left = vectors_mut::<S>(&mut readings.left[slot..], blocks);
+            let number = vectors_from_mut::<S>(&mut readings.surface, slot, blocks);
+            let on_left = vectors_from_mut::<S>(&mut readings.left, slot, blocks);
             for b in 0..blocks {
                 let at = |array: &[S::f64s]| load(simd, &array[b]);
                 let [x, y] = [at(bushing[0]) - center[0], at(bushing[1]) - center[1]];

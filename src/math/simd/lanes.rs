@@ -39,13 +39,33 @@ pub(crate) fn partial_load<S: Vectors>(simd: S, slice: &[S::Number]) -> Lanes<S>
 /// Return the first `count` vectors of an array.
 #[inline(always)]
 pub(crate) fn vectors<S: Vectors>(slice: &[S::Number], count: usize) -> &[S::Vector] {
-    &S::whole(slice).0[..count]
+    vectors_from::<S>(slice, 0, count)
+}
+
+/// Return `count` vectors of an array from entry `first` on. (The end is the same number for all arrays of a loop: each needs one comparison.)
+#[inline(always)]
+pub(crate) fn vectors_from<S: Vectors>(
+    slice: &[S::Number],
+    first: usize,
+    count: usize,
+) -> &[S::Vector] {
+    &S::whole(&slice[first..first + count * S::LANES]).0[..count]
 }
 
 /// Return the first `count` vectors of an array, mutable.
 #[inline(always)]
 pub(crate) fn vectors_mut<S: Vectors>(slice: &mut [S::Number], count: usize) -> &mut [S::Vector] {
-    &mut S::whole_mut(slice).0[..count]
+    vectors_from_mut::<S>(slice, 0, count)
+}
+
+/// Return `count` vectors of an array from entry `first` on, mutable.
+#[inline(always)]
+pub(crate) fn vectors_from_mut<S: Vectors>(
+    slice: &mut [S::Number],
+    first: usize,
+    count: usize,
+) -> &mut [S::Vector] {
+    &mut S::whole_mut(&mut slice[first..first + count * S::LANES]).0[..count]
 }
 
 /// Return `count` vectors of an x array and of a y array, from entry `first` on.
@@ -56,8 +76,8 @@ pub(crate) fn both<S: Vectors>(
     count: usize,
 ) -> [&[S::Vector]; 2] {
     [
-        vectors::<S>(&arrays[0][first..], count),
-        vectors::<S>(&arrays[1][first..], count),
+        vectors_from::<S>(&arrays[0], first, count),
+        vectors_from::<S>(&arrays[1], first, count),
     ]
 }
 
@@ -70,8 +90,8 @@ pub(crate) fn both_mut<S: Vectors>(
 ) -> [&mut [S::Vector]; 2] {
     let [x, y] = arrays;
     [
-        vectors_mut::<S>(&mut x[first..], count),
-        vectors_mut::<S>(&mut y[first..], count),
+        vectors_from_mut::<S>(x, first, count),
+        vectors_from_mut::<S>(y, first, count),
     ]
 }
 

@@ -10,13 +10,25 @@ pub(crate) type Pack<T = f64> = [T; WIDTH];
 /// Return the first `count` packs of an array.
 #[inline(always)]
 pub(crate) fn packs<T>(array: &[T], count: usize) -> &[Pack<T>] {
-    &array.as_chunks().0[..count]
+    packs_from(array, 0, count)
+}
+
+/// Return `count` packs of an array from entry `first` on.
+#[inline(always)]
+pub(crate) fn packs_from<T>(array: &[T], first: usize, count: usize) -> &[Pack<T>] {
+    &array[first..first + count * WIDTH].as_chunks().0[..count]
 }
 
 /// Return the first `count` packs of an array, mutable.
 #[inline(always)]
 pub(crate) fn packs_mut<T>(array: &mut [T], count: usize) -> &mut [Pack<T>] {
-    &mut array.as_chunks_mut().0[..count]
+    packs_from_mut(array, 0, count)
+}
+
+/// Return `count` packs of an array from entry `first` on, mutable.
+#[inline(always)]
+pub(crate) fn packs_from_mut<T>(array: &mut [T], first: usize, count: usize) -> &mut [Pack<T>] {
+    &mut array[first..first + count * WIDTH].as_chunks_mut().0[..count]
 }
 
 /// Load vector `part` of a pack.

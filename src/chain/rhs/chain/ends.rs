@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use crate::math::simd::{Lanes, Mask, load, partial_load, vectors};
+use crate::math::simd::{Lanes, Mask, load, partial_load, vectors, vectors_from};
 
 /// x, y \[m\], dx/dt, dy/dt \[m/s\] and dθ/dt \[rad/s\] of links, from a first link on.
 pub(super) struct Links<'a, S: Simd>([&'a [S::f64s]; 5]);
@@ -12,11 +12,11 @@ impl<'a, S: Simd> Links<'a, S> {
     #[inline(always)]
     pub(super) fn of([x, y, vx, vy, spin]: [&'a [f64]; 5], first: usize, blocks: usize) -> Self {
         Self([
-            vectors::<S>(&x[first..], blocks),
-            vectors::<S>(&y[first..], blocks),
-            vectors::<S>(&vx[first..], blocks),
-            vectors::<S>(&vy[first..], blocks),
-            vectors::<S>(&spin[first..], blocks),
+            vectors_from::<S>(x, first, blocks),
+            vectors_from::<S>(y, first, blocks),
+            vectors_from::<S>(vx, first, blocks),
+            vectors_from::<S>(vy, first, blocks),
+            vectors_from::<S>(spin, first, blocks),
         ])
     }
 
@@ -83,8 +83,8 @@ impl<'a, S: Simd> Arms<'a, S> {
     ) -> Self {
         Self {
             arm: vectors::<S>(arm, blocks),
-            cos: vectors::<S>(&cos[first..], blocks),
-            sin: vectors::<S>(&sin[first..], blocks),
+            cos: vectors_from::<S>(cos, first, blocks),
+            sin: vectors_from::<S>(sin, first, blocks),
         }
     }
 

@@ -14,7 +14,7 @@ use crate::force_law::{
 };
 use crate::math::simd::{
     Lanes, Mask, Numbers, PartialSums, both, both_mut, load, no_lane, splat_two, vectors,
-    vectors_mut,
+    vectors_from_mut, vectors_mut,
 };
 
 /// Friction in hinges.
@@ -186,7 +186,7 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             hinges.friction = vectors_mut::<S>(&mut arrays.friction, blocks);
             hinges.moments = [
                 vectors_mut::<S>(&mut arrays.front_moment, blocks),
-                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
+                vectors_from_mut::<S>(&mut arrays.rear_moment, FIRST + 1, blocks),
             ];
         }
         if BRISTLED && let Some(bristles) = joints.bristles {

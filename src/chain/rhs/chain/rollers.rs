@@ -11,7 +11,8 @@ use super::{ChainFound, RepeatBushings};
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Entries, Lanes, Mask, both, both_mut, lane_numbers, load, parts, vectors, vectors_mut,
+    Entries, Lanes, Mask, both, both_mut, lane_numbers, load, parts, vectors, vectors_from_mut,
+    vectors_mut,
 };
 
 /// Rollers in the kernels.
@@ -94,7 +95,7 @@ impl<const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool> WithSimd
             front_force: both_mut::<S>(front_force, 0, blocks),
             rear_force: both_mut::<S>(rear_force, FIRST + 1, blocks),
             front_moment: vectors_mut::<S>(front_moment, blocks),
-            rear_moment: vectors_mut::<S>(&mut rear_moment[FIRST + 1..], blocks),
+            rear_moment: vectors_from_mut::<S>(rear_moment, FIRST + 1, blocks),
         };
         let [x, y] = self.places.map(|axis| Entries::<S>::of(simd, axis));
         let [vx, vy, spin] = self.speeds.map(|axis| Entries::<S>::of(simd, axis));

@@ -10,7 +10,7 @@ use crate::chain::contact::{BushingRun, SprocketCandidates, gap_of};
 use crate::chain::model::SprocketModel;
 use crate::chain::rhs::bristles::BristleLanes;
 use crate::geometry::Vec2;
-use crate::math::simd::{Lanes, Numbers, both, both_mut, vectors, vectors_mut};
+use crate::math::simd::{Lanes, Numbers, both, both_mut, vectors_from, vectors_from_mut};
 
 /// Arrays of one run in SIMD vectors; numbers of gaps bushing by bushing.
 pub(super) struct RunOfBushings<'a, S: Simd> {
@@ -69,32 +69,34 @@ impl<'a, S: Simd> RunOfBushings<'a, S> {
             bristles: None,
         };
         if FRICTION {
-            friction_arrays.spin = vectors::<S>(&arrays.bushing_spin[first..], blocks);
+            friction_arrays.spin = vectors_from::<S>(&arrays.bushing_spin, first, blocks);
             friction_arrays.moments = [
-                vectors_mut::<S>(&mut arrays.front_moment[first..], blocks),
-                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1 + first..], blocks),
+                vectors_from_mut::<S>(&mut arrays.front_moment, first, blocks),
+                vectors_from_mut::<S>(&mut arrays.rear_moment, FIRST + 1 + first, blocks),
             ];
-            friction_arrays.friction = vectors_mut::<S>(&mut candidates.friction[slot..], blocks);
+            friction_arrays.friction =
+                vectors_from_mut::<S>(&mut candidates.friction, slot, blocks);
             friction_arrays.slopes = friction_slopes;
         }
         Self {
             bushing: both::<S>(&arrays.bushing, first, blocks),
             velocity: both::<S>(&arrays.bushing_velocity, first, blocks),
-            on_front: vectors::<S>(&links.bushing_on_front[first..], blocks),
-            inverse_impact_velocity: vectors::<S>(
-                &candidates.inverse_impact_velocity[slot..],
+            on_front: vectors_from::<S>(&links.bushing_on_front, first, blocks),
+            inverse_impact_velocity: vectors_from::<S>(
+                &candidates.inverse_impact_velocity,
+                slot,
                 blocks,
             ),
             kept_constants: both::<S>(&candidates.kept_constants, slot, blocks),
-            depth: vectors_mut::<S>(&mut candidates.depth[slot..], blocks),
-            force: vectors_mut::<S>(&mut candidates.force[slot..], blocks),
+            depth: vectors_from_mut::<S>(&mut candidates.depth, slot, blocks),
+            force: vectors_from_mut::<S>(&mut candidates.force, slot, blocks),
             front_force: both_mut::<S>(&mut arrays.front_force, first, blocks),
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1 + first, blocks),
             slopes,
             friction_arrays,
             gap: &mut candidates.gap[slot..],
-            gap_cos: vectors_mut::<S>(&mut candidates.gap_cos[slot..], blocks),
-            gap_sin: vectors_mut::<S>(&mut candidates.gap_sin[slot..], blocks),
+            gap_cos: vectors_from_mut::<S>(&mut candidates.gap_cos, slot, blocks),
+            gap_sin: vectors_from_mut::<S>(&mut candidates.gap_sin, slot, blocks),
             ends: both_mut::<S>(ends, slot, blocks),
         }
     }
