@@ -101,4 +101,11 @@ impl PowerSum for Powers {
     fn totals(&self) -> [f64; 2] {
         [self.dissipated, self.external_work]
     }
+
+    fn with_external(self, external_work: f64) -> Self {
+        Self {
+            external_work,
+            ..self
+        }
+    }
 }

@@ -31,6 +31,10 @@ pub trait PowerSum: Copy + Debug + Default + PartialEq + Serialize + Deserialize
 
     /// Return the dissipated part and the external work.
     fn totals(&self) -> [f64; 2];
+
+    /// Return the powers with another external power.
+    #[must_use]
+    fn with_external(self, external: f64) -> Self;
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Energy quadrature: powers integrated through each step along its path.
 //!
 //! Simpson's rule with one, two or four panels: panels are halved until the estimated error is accepted. Contacts begin and end within steps,
-//! and the power has a kink there; smooth steps take one evaluation. Where the powers at the ends of the last steps predicted the power in the
-//! middle, most steps take none. The sums are no part of the integrator's state: they do not enter its error test, and cost nothing while
-//! they are off.
+//! and the power has a kink there; smooth steps take one evaluation. Where the powers before predicted those in the middle, most steps take
+//! none. Where they predicted the dissipated power only, the external power is evaluated alone. The sums are no part of the integrator's
+//! state: they do not enter its error test, and cost nothing while they are off.
 
 mod interpolation;
 
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::PowerSum;
 use crate::integrator::Step;
-use interpolation::{Interpolation, is_below};
+use interpolation::{Interpolation, Predicted, is_below};
 
 /// Accepted error of a step, over its length and the largest power in it, or the mean power of all steps if that is larger: dissipated, or a
 /// share of the external power.
@@ -27,8 +27,30 @@ const ACCEPTED_ERROR: f64 = 5e-3;
 /// power is accepted.
 const EXTERNAL_SHARE: f64 = 4e-3;
 
+/// Accepted error of the dissipated power where it is predicted in the middle of a step, over the accepted one of Simpson's rule. Errors of such
+/// predictions have one sign where steps are long beside the relaxation of contacts (decision 22).
+const PREDICTED_SHARE: f64 = 0.25;
+
 /// Largest number of panels of a step. A kink leaves an error that falls only with the square of their length.
 const MOST_PANELS: usize = 4;
+
+/// Powers that an evaluation inside a step shall give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    All,
+    /// The external power; dissipated powers of the result are not used.
+    External,
+}
+
+impl Wanted {
+    /// Return evaluated powers, with the dissipated ones of `known` where they were not wanted.
+    fn complete<P: PowerSum>(self, evaluated: P, known: P) -> P {
+        match self {
+            Self::All => evaluated,
+            Self::External => known.with_external(evaluated.totals()[1]),
+        }
+    }
+}
 
 /// The sums of the energy balance, and the powers along the last step, for reports inside it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -113,44 +135,46 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.evaluations
     }
 
-    /// Add the energies of a step with the powers `at_end` at its end; `powers_at` evaluates the powers at a part of the step and its time.
-    /// `smooth`: no contact began or ended in the step.
+    /// Add the energies of a step with the powers `at_end` at its end; `powers_at` evaluates powers at a part of the step and its time.
     pub(crate) fn add_step(
         &mut self,
         step: &Step,
-        (at_end, smooth): (P, bool),
-        mut powers_at: impl FnMut(f64, f64) -> P,
+        at_end: P,
+        mut powers_at: impl FnMut(Wanted, f64, f64) -> P,
     ) {
         let length = step.end - step.start;
         let at_start = self.last_power();
         let mean_power = self.mean_power();
-        let mut powers_at = |part: f64| {
+        let mut powers_at = |wanted, part: f64| {
             self.evaluations += 1;
-            powers_at(part, step.start + part * length)
+            powers_at(wanted, part, step.start + part * length)
         };
-        // The powers at the starts of the steps before, at their places in parts of this step.
-        let place = |t: f64| (t - step.start) / length;
-        let before = (self.start < self.end).then(|| (place(self.start), self.powers[0]));
-        let earlier = (self.interpolation.earlier).map(|(t, powers)| (place(t), powers));
-        self.interpolation.earlier = before.map(|(_, powers)| (self.start, powers));
+        // Powers before the step, at their places in parts of this step.
+        let place = |(t, powers)| ((t - step.start) / length, powers);
+        let last_start = (self.start < self.end).then(|| (self.start, self.powers[0]));
+        let before = last_start.map(place);
+        let other = self.interpolation.other.map(place);
         let scale = decisive(&at_start).max(decisive(&at_end)).max(mean_power);
         let near = interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
-        let interpolated = match (earlier, before) {
-            (Some(earlier), Some(before)) if smooth && self.fineness == 0 => {
-                let nodes = [earlier, before, (0.0, at_start), (1.0, at_end)];
-                interpolation::middle(nodes, near)
+        let near = [PREDICTED_SHARE * near, near];
+        let predicted = match (other, before) {
+            (Some(other), Some(before)) if self.fineness == 0 => {
+                let nodes = [(0.0, at_start), (1.0, at_end)];
+                Predicted::new(other, before, nodes, near)
             }
-            _ => None,
+            _ => Predicted::default(),
         };
-        let is_interpolated = interpolated.is_some() && self.interpolation.take();
-        let middle = match interpolated {
-            Some(powers) if is_interpolated => powers,
-            Some(powers) => {
-                let evaluated = powers_at(0.5);
-                (self.interpolation).test(difference(&evaluated, &powers), near);
-                evaluated
-            }
-            None => powers_at(0.5),
+        let wanted = self.interpolation.wanted(&predicted);
+        let middle = wanted.map_or(predicted.powers, |wanted| {
+            let evaluated = powers_at(wanted, 0.5);
+            let error = difference(&evaluated, &predicted.powers);
+            self.interpolation.test(&predicted, wanted, error, near);
+            wanted.complete(evaluated, predicted.powers)
+        });
+        self.interpolation.other = if wanted == Some(Wanted::All) {
+            Some((step.start + 0.5 * length, middle))
+        } else {
+            last_start
         };
         let simpson = [at_start, middle, at_end];
         let accepted = ACCEPTED_ERROR * scale.max(decisive(&middle));
@@ -158,14 +182,17 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.powers.extend(simpson);
         let mut mean = simpson_mean(&self.powers);
         let is_accurate = |before| is_below(error_of_half(simpson, before), accepted);
-        let mut accurate = is_interpolated || before.is_some_and(is_accurate);
+        let mut accurate = wanted.is_none() || before.is_some_and(is_accurate);
+        let wanted = wanted.unwrap_or(Wanted::All);
         let mut panels = 1;
         while panels < self.fineness || (self.fineness == 0 && !accurate && panels < MOST_PANELS) {
             panels *= 2;
             self.powers.resize(2 * panels + 1, at_end);
             for i in (0..panels).rev() {
                 self.powers[2 * i] = self.powers[i];
-                self.powers[2 * i + 1] = powers_at((2 * i + 1) as f64 / (2 * panels) as f64);
+                let part = (2 * i + 1) as f64 / (2 * panels) as f64;
+                let known = parabola(simpson, part);
+                self.powers[2 * i + 1] = wanted.complete(powers_at(wanted, part), known);
             }
             let finer = simpson_mean(&self.powers);
             // Of a smooth power, halved panels have a sixteenth of the error.
@@ -249,21 +276,28 @@ fn difference<P: PowerSum>(powers: &P, others: &P) -> [f64; 2] {
     [powers[0] - others[0], powers[1] - others[1]]
 }
 
+/// Return the powers at a place of the parabola through those at the start, in the middle and at the end of a step \[parts of it\].
+fn parabola<P: PowerSum>(powers: [P; 3], place: f64) -> P {
+    let weights = [
+        (1.0 - place) * (1.0 - 2.0 * place),
+        4.0 * place * (1.0 - place),
+        place * (2.0 * place - 1.0),
+    ];
+    let mut sum = P::default();
+    for (weight, powers) in weights.into_iter().zip(powers) {
+        sum.add_scaled(weight, &powers);
+    }
+    sum
+}
+
 /// Return the error of Simpson's rule in half a step, over the length of the step, of dissipated and external power. It follows from the
 /// powers at a `place` before the step \[parts of it\].
 ///
 /// The cubic through all four powers differs from the parabola of Simpson's rule by c x (x - 1/2) (x - 1). Its integral over the first half
 /// of the step is c/64, and that over the second half is -c/64. The rule is wrong by as much where c is not the same in both halves.
 fn error_of_half<P: PowerSum>(powers: [P; 3], (place, before): (f64, P)) -> [f64; 2] {
-    let [start, middle, end] = powers.map(|powers| powers.totals());
-    let before = before.totals();
     let length = 64.0 * place * (place - 0.5) * (place - 1.0);
-    [0, 1].map(|which| {
-        let parabola = (1.0 - place) * (1.0 - 2.0 * place) * start[which]
-            + 4.0 * place * (1.0 - place) * middle[which]
-            + place * (2.0 * place - 1.0) * end[which];
-        (before[which] - parabola) / length
-    })
+    difference(&before, &parabola(powers, place)).map(|difference| difference / length)
 }
 
 #[cfg(test)]

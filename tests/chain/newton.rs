@@ -153,7 +153,11 @@ fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 
         corrected[i] += gamma * velocity;
         corrected[nq + i] += velocity;
     }
-    dynamics.correct_forces((t, &corrected), (gamma, &correction));
+    let mut without_forces = dynamics.clone();
+    without_forces.correct_powers((t, &corrected), (gamma, &correction), false);
+    dynamics.correct_powers((t, &corrected), (gamma, &correction), true);
+    assert_eq!(without_forces.powers(t), dynamics.powers(t));
+    assert_eq!(forces(&without_forces), forces_before);
     let (found, forces_found) = (dynamics.powers(t), forces(&dynamics));
     let exact = dynamics.evaluate(t, &corrected);
     dynamics.accelerations(t, &corrected, &mut slope);

@@ -123,7 +123,9 @@ fn ratio(a: f64, b: f64, error: f64) -> f64 {
 pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
     let mut dydt = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut dydt);
-    let found = dynamics.powers(t).losses.values();
+    let powers = dynamics.powers(t);
+    let found = powers.losses.values();
+    assert_eq!(dynamics.clone().external_power(t, y), powers.external_work);
     let reference = Reference::of(dynamics, t, y);
     dynamics.evaluate(t, y);
     let model = dynamics.model().clone();

@@ -65,8 +65,6 @@ pub(super) struct ContactEvents {
     pub(super) ended: Vec<ContactId>,
     /// Pairs that ended their contact in the last step and began it again.
     pub(super) restarted: Vec<Restart>,
-    /// Whether a contact began or ended in the last step.
-    pub(super) changed: bool,
     /// Whether event screening found a pair that may have touched or separated inside the last step.
     pub(super) event_possible: bool,
     /// Upper bound on the speeds of bushings relative to teeth at the end of the last step \[m/s\].
@@ -88,7 +86,6 @@ impl ContactEvents {
         Self {
             ended: Vec::with_capacity(contacts),
             restarted: Vec::with_capacity(contacts),
-            changed: false,
             event_possible: false,
             fastest: 0.0,
             in_step_contacts: 0,
@@ -198,7 +195,6 @@ impl Dynamics {
     ///
     /// Call after the step, before another evaluation of the right-hand side.
     pub fn record_contact_events(&mut self, adams: &Adams, step: &Step) {
-        self.events.changed = self.kernels.changed();
         self.find_events_between_ends(adams, step);
         if std::mem::take(&mut self.events.event_possible) {
             self.record_in_step_events(adams, step);

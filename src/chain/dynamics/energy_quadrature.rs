@@ -2,8 +2,9 @@
 //!
 //! The path is the cubic through values and slopes at both ends of the step, whatever the integrator's order.
 
-use super::Dynamics;
+use super::{Dynamics, Powers};
 use crate::integrator::{Adams, Step};
+use crate::system::Wanted;
 
 impl Dynamics {
     /// Divide each step into `fineness` panels from now on, a power of two; 0: as many as the powers need.
@@ -35,7 +36,7 @@ impl Dynamics {
             end,
             order: 1,
         };
-        (self.quadrature).add_step(&rest, (at_end, false), |_, t| powers_at(t));
+        (self.quadrature).add_step(&rest, at_end, |_, _, t| powers_at(t));
     }
 
     /// Begin the next step with the powers at the present state of `adams`, while energy is kept: they may have jumped at a start.
@@ -45,11 +46,21 @@ impl Dynamics {
         }
     }
 
-    /// Change forces and powers of the last evaluation, which wrote slopes, to those at (`t`, `y`). `y` is the evaluated state after the last
-    /// correction of the velocities with γ.
-    pub fn correct_forces(&mut self, end: (f64, &[f64]), (gamma, correction): (f64, &[f64])) {
+    /// Change the powers of the last evaluation, which wrote slopes, and the `forces` if wanted, to those at (`t`, `y`). `y` is the evaluated
+    /// state after the last correction of the velocities with γ.
+    pub fn correct_powers(
+        &mut self,
+        end: (f64, &[f64]),
+        (gamma, correction): (f64, &[f64]),
+        forces: bool,
+    ) {
         let border = &correction[3 * self.model.links..self.model.body_coordinates()];
-        (self.kernels).correct_forces(&self.model, end, (gamma, border));
+        let (kernels, model, correction) = (&mut self.kernels, &self.model, (gamma, border));
+        if forces {
+            kernels.correct_powers::<true>(model, end, correction);
+        } else {
+            kernels.correct_powers::<false>(model, end, correction);
+        }
     }
 
     /// Return whether all forces and powers change by slopes: damped contacts of hinges and teeth alone.
@@ -58,7 +69,8 @@ impl Dynamics {
         !model.has_moments() && model.rollers.is_none() && model.ends.is_none()
     }
 
-    /// Change forces and powers of the last evaluation to those at the end of the last step, where energy is kept or `peaks` are recorded.
+    /// Change powers, and forces for `peaks`, of the last evaluation to those at the end of the last step, where energy is kept or peaks are
+    /// recorded.
     ///
     /// Call it after [`Self::finish_step`], which reads the contacts of the last evaluation. That stores new impact velocities: evaluations
     /// from here on use them, the forces of the step used the present rates.
@@ -69,7 +81,9 @@ impl Dynamics {
         let end = (step.end, adams.y());
         match adams.correction_after_evaluation() {
             None => {}
-            Some(correction) if self.has_all_slopes() => self.correct_forces(end, correction),
+            Some(correction) if self.has_all_slopes() => {
+                self.correct_powers(end, correction, peaks);
+            }
             Some(_) => {
                 if self.keeps_energy {
                     self.quadrature.count_evaluation();
@@ -92,10 +106,17 @@ impl Dynamics {
         let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
         // `rates` is scratch for the rates of bristles.
         let kernels = &mut self.kernels;
-        let at_end = (kernels.last_powers(model, step.end), !self.events.changed);
-        (self.quadrature).add_step(step, at_end, |part, t| {
+        let at_end = kernels.last_powers(model, step.end);
+        (self.quadrature).add_step(step, at_end, |wanted, part, t| {
             adams.write_cubic(part, y);
-            kernels.powers(model, memory, t, &y[..dimension], rates)
+            let y = &y[..dimension];
+            match wanted {
+                Wanted::All => kernels.powers(model, memory, t, y, rates),
+                Wanted::External => Powers {
+                    external_work: kernels.external_power(model, memory, t, y, rates),
+                    ..Powers::default()
+                },
+            }
         });
     }
 }

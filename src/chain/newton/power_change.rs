@@ -67,8 +67,9 @@ impl<T: Number> Factors<T> {
 
 /// Kernel: return the changes of the powers of hinges and teeth \[W\] with the last correction; add those of the forces of hinges and teeth,
 /// and of the loads on the sprockets. The corrections of the links' ends must be written, and the matrix must
-/// still be that of the last evaluation, without friction and rollers.
-pub(crate) struct PowerChange<'a> {
+/// still be that of the last evaluation, without friction and rollers. Without `FORCES`, forces stay, and of the loads only the moments
+/// change: the powers need no more.
+pub(crate) struct PowerChange<'a, const FORCES: bool> {
     pub(crate) matrix: &'a mut NewtonMatrix,
     pub(crate) links: usize,
     pub(crate) gamma: f64,
@@ -82,7 +83,7 @@ pub(crate) struct PowerChange<'a> {
     pub(crate) loads: &'a mut [SprocketLoad],
 }
 
-impl WithSimd for PowerChange<'_> {
+impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
     type Output = [f64; 2];
 
     #[inline(always)]
@@ -97,7 +98,7 @@ impl WithSimd for PowerChange<'_> {
         for rear in &mut corrected.links[2..4] {
             rear[self.links] = rear[0];
         }
-        let of_hinges = hinges::<S>(
+        let of_hinges = hinges::<S, FORCES>(
             simd,
             (gamma, &slopes.hinges.normal),
             &self.constants.bushing_on_front,
@@ -116,7 +117,8 @@ impl WithSimd for PowerChange<'_> {
                 bushing: &self.chain.bushing,
                 correction: &corrected.bushings,
             };
-            let [power, x, y, moment] = teeth.sums(simd, moved(&motions[s], self.border));
+            let [power, x, y, moment] =
+                teeth.sums::<S, FORCES>(simd, moved(&motions[s], self.border));
             of_teeth += power;
             load.force += Vec2::new(x, y);
             load.moment += moment;
@@ -142,7 +144,7 @@ fn moved(of: &SprocketMotions, border: &[f64]) -> [f64; 3] {
 
 /// Return the change of the power of the hinges; write the corrections of the bushings, and add the changes of the forces.
 #[inline(always)]
-fn hinges<S: Simd>(
+fn hinges<S: Simd, const FORCES: bool>(
     simd: S,
     (gamma, slopes): (f64, &[SlopeGroup]),
     on_front: &[f64],
@@ -178,8 +180,10 @@ fn hinges<S: Simd>(
             let [nx, ny] = read(simd, &group.normal, part);
             let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
             power.add_part(part, power_by(simd, (group, part), gamma, closing));
-            let push = push_by(simd, (group, part), gamma, closing);
-            add_to(simd, &mut force[number], part, push);
+            if FORCES {
+                let push = push_by(simd, (group, part), gamma, closing);
+                add_to(simd, &mut force[number], part, push);
+            }
         }
     }
     power.total()
@@ -235,7 +239,11 @@ impl ToothPowers<'_> {
     /// Return the changes of the power dissipated, the force on the sprocket and its moment for a sprocket with these corrections of its
     /// velocities; add those of the forces of the contacts.
     #[inline(always)]
-    fn sums<S: Simd>(self, simd: S, [of_x, of_y, of_spin]: [f64; 3]) -> [f64; 4] {
+    fn sums<S: Simd, const FORCES: bool>(
+        self,
+        simd: S,
+        [of_x, of_y, of_spin]: [f64; 3],
+    ) -> [f64; 4] {
         let splat = |value| Lanes::splat(simd, value);
         let (gamma, zero) = (splat(self.gamma), splat(0.0));
         let center = splat_two(simd, self.pose.center);
@@ -272,10 +280,12 @@ impl ToothPowers<'_> {
                     let [nx, ny] = read(simd, &group.normal, part);
                     let closing = nx.mul_add(vx, ny * vy);
                     let push = push_by(simd, (group, part), gamma, closing);
-                    add_to(simd, &mut force[number], part, push);
+                    if FORCES {
+                        add_to(simd, &mut force[number], part, push);
+                        sums[1].add_part(part, push * nx);
+                        sums[2].add_part(part, push * ny);
+                    }
                     sums[0].add_part(part, power_by(simd, (group, part), gamma, closing));
-                    sums[1].add_part(part, push * nx);
-                    sums[2].add_part(part, push * ny);
                     sums[3].add_part(part, push * x.mul_add(ny, -(y * nx)));
                 }
             }

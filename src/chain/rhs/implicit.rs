@@ -51,9 +51,9 @@ impl Kernels {
         }
     }
 
-    /// Change forces, loads and losses of the last evaluation, and motions of the sprockets, to those at (`t`, `y`). There `y` is the
-    /// evaluated state after a correction with γ, whose part on the border is `border`.
-    pub(crate) fn correct_forces(
+    /// Change losses of the last evaluation, motions of the sprockets and moments on them, and with `FORCES` forces and loads, to those at
+    /// (`t`, `y`). There `y` is the evaluated state after a correction with γ, whose part on the border is `border`.
+    pub(crate) fn correct_powers<const FORCES: bool>(
         &mut self,
         model: &Model,
         (t, y): (f64, &[f64]),
@@ -61,7 +61,7 @@ impl Kernels {
     ) {
         if let Some(newton) = &mut self.newton {
             newton.write_corrected_ends(self.instructions);
-            let [hinges, teeth] = self.instructions.run(PowerChange {
+            let [hinges, teeth] = self.instructions.run(PowerChange::<FORCES> {
                 matrix: newton,
                 links: model.links,
                 gamma,

@@ -34,7 +34,7 @@ use tooth_constants::ToothConstants;
 
 use crate::chain::contact::{Candidates, ImpactMemory, Seated};
 use crate::chain::loads::{SprocketLoad, outside_powers};
-use crate::chain::model::Model;
+use crate::chain::model::{Model, Rotation};
 use crate::chain::motion::sprocket_motion;
 use crate::chain::newton::NewtonMatrix;
 use crate::chain::powers::{Losses, Powers};
@@ -196,6 +196,36 @@ impl Kernels {
         self.last_powers(model, t)
     }
 
+    /// Return the external power at (`t`, `y`), inside a step whose last evaluation was of all contacts. `bristle_rates` as for
+    /// [`Self::evaluate_joints`].
+    ///
+    /// Where chain and rollers do no work on moving ends, of all contacts only those with the teeth of turning sprockets of prescribed speed
+    /// are evaluated.
+    pub(crate) fn external_power(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        t: f64,
+        y: &[f64],
+        bristle_rates: &mut [f64],
+    ) -> f64 {
+        if model.ends.is_some() || model.rollers.is_some() {
+            return (self.powers(model, memory, t, y, bristle_rates)).external_work;
+        }
+        self.place_sprockets(model, t, y);
+        self.keep_powers(false);
+        let writes_gaps = self.write_gaps(false);
+        self.spin_bushings(model, y);
+        for (s, sprocket) in model.sprockets.iter().enumerate() {
+            if matches!(sprocket.rotation, Rotation::Prescribed(_)) && self.poses[s].spin != 0.0 {
+                self.place_bushings(model, s, y);
+                self.evaluate_teeth_of(model, s, y, bristle_rates);
+            }
+        }
+        self.write_gaps(writes_gaps);
+        self.last_powers(model, t).external_work
+    }
+
     /// Evaluate the forces of all contacts at `y`, and the losses where powers are kept.
     fn evaluate_forces(
         &mut self,
@@ -244,9 +274,7 @@ impl Kernels {
         if let Some(ends) = &model.ends {
             self.chain.forget_open_hinges(ends);
         }
-        for (s, pose) in self.poses.iter_mut().enumerate() {
-            pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
-        }
+        self.turn_sprockets();
         let rolling = model.rollers.as_ref().map(|of| {
             if model.hinges.has_friction() {
                 let spins = &y[model.coordinates + 2 * model.links..][..model.links];
@@ -284,6 +312,14 @@ impl Kernels {
         bristle_rates: &mut [f64],
     ) {
         self.choose_candidates(model, memory, moved_squared);
+        self.spin_bushings(model, y);
+        for s in 0..model.sprockets.len() {
+            self.evaluate_teeth_of(model, s, y, bristle_rates);
+        }
+    }
+
+    /// Write the angular velocities of the bodies on the teeth, where teeth have friction.
+    fn spin_bushings(&mut self, model: &Model, y: &[f64]) {
         if model.teeth.has_friction() {
             let (n, overhang) = (model.links, self.candidates.overhang);
             let spins = &y[model.coordinates..];
@@ -295,17 +331,26 @@ impl Kernels {
                 self.chain.spin_bushings(&self.links, spins, overhang);
             }
         }
-        for s in 0..model.sprockets.len() {
-            self.take_tooth_bristles(model, s, y);
-            let teeth = self.evaluate_teeth(model, s);
-            self.put_tooth_bristles(model, s, bristle_rates);
-            self.changed[ContactKind::Teeth as usize] |= teeth.changed;
-            self.losses.tooth_contact += teeth.dissipated;
-            self.losses.tooth_friction += teeth.friction_power;
-            self.loads[s] = SprocketLoad {
-                force: Vec2::new(teeth.force[0], teeth.force[1]),
-                moment: teeth.moment,
-            };
+    }
+
+    /// Evaluate the teeth of sprocket `s` at `y`.
+    fn evaluate_teeth_of(&mut self, model: &Model, s: usize, y: &[f64], bristle_rates: &mut [f64]) {
+        self.take_tooth_bristles(model, s, y);
+        let teeth = self.evaluate_teeth(model, s);
+        self.put_tooth_bristles(model, s, bristle_rates);
+        self.changed[ContactKind::Teeth as usize] |= teeth.changed;
+        self.losses.tooth_contact += teeth.dissipated;
+        self.losses.tooth_friction += teeth.friction_power;
+        self.loads[s] = SprocketLoad {
+            force: Vec2::new(teeth.force[0], teeth.force[1]),
+            moment: teeth.moment,
+        };
+    }
+
+    /// Write the directions of the sprockets, which the loop over the hinges computes.
+    fn turn_sprockets(&mut self) {
+        for (s, pose) in self.poses.iter_mut().enumerate() {
+            pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
         }
     }
 

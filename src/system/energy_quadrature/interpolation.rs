@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Wanted;
 use crate::system::PowerSum;
 
 /// Largest error of an interpolated power in the middle of a step, over that of Simpson's rule: its weight there is 2/3.
@@ -12,59 +13,103 @@ pub(super) const ERROR_IN_THE_MIDDLE: f64 = 1.5;
 /// Chosen among 7, 31 and 63 on the published drive (decision 22).
 const MOST_INTERPOLATED: u32 = 31;
 
-/// Interpolation of the power in the middle of a step from the powers at its ends and at those of the two steps before.
+/// Powers in the middle of a step that those at its ends and two powers before it predict.
 ///
-/// The difference of cubic and parabola estimates its error where the power is smooth at the scale of the steps. Where steps are long beside
-/// the relaxation of overdamped contacts, it does not show the error: evaluations in between test it.
+/// The difference of cubic and parabola estimates the error where the power is smooth at the scale of the steps. Where steps are long beside
+/// the relaxation of overdamped contacts, it does not show the error: evaluations in between test it ([`Interpolation`]).
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Predicted<P> {
+    pub(super) powers: P,
+    /// Whether the estimated errors of dissipated and external power are accepted.
+    pub(super) is_accurate: [bool; 2],
+}
+
+impl<P: PowerSum> Predicted<P> {
+    /// Predict powers with errors of at most `accepted`, of dissipated and external power \[W\]; the nodes are places in parts of the step, and powers. Without the one that is
+    /// farthest away, a parabola is left.
+    pub(super) fn new(
+        one: (f64, P),
+        other: (f64, P),
+        ends: [(f64, P); 2],
+        accepted: [f64; 2],
+    ) -> Self {
+        let nodes = if one.0 < other.0 {
+            [one, other, ends[0], ends[1]]
+        } else {
+            [other, one, ends[0], ends[1]]
+        };
+        let mut powers = P::default();
+        let mut error = [0.0; 2];
+        for (weight, (place, node)) in weights_in_the_middle(&nodes).into_iter().zip(&nodes) {
+            powers.add_scaled(weight, node);
+            // The cubic differs from the parabola by f[x0, x1, x2, x3] (x - x1) (x - x2) (x - x3). In this, the weight of node i is that in
+            // the cubic times (x - xi)/(x - x0).
+            let share = weight * (0.5 - place) / (0.5 - nodes[0].0);
+            for (error, total) in error.iter_mut().zip(node.totals()) {
+                *error += share * total;
+            }
+        }
+        Self {
+            powers,
+            is_accurate: [0, 1].map(|i| error[i].abs() <= accepted[i]),
+        }
+    }
+}
+
+/// Interpolation of the powers in the middle of the steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "P: PowerSum")]
 pub(super) struct Interpolation<P> {
-    /// Time \[s\] and powers at the start of the step before the last one.
-    pub(super) earlier: Option<(f64, P)>,
-    /// Interpolated steps that the last test permits, and those of them that are left.
+    /// Time \[s\] and powers in the middle of the last step if all were evaluated there, else at the start of the step before it.
+    pub(super) other: Option<(f64, P)>,
+    /// Permits of the dissipated and of the external power.
+    permits: [Permit; 2],
+}
+
+/// Interpolated steps that the last test of a power permits, and those of them that are left.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+struct Permit {
     permitted: u32,
     left: u32,
 }
 
 impl<P: PowerSum> Interpolation<P> {
-    /// Use one of the permitted steps; false where the middle has to be evaluated.
-    pub(super) fn take(&mut self) -> bool {
-        let taken = self.left > 0;
-        self.left -= u32::from(taken);
-        taken
+    /// Return the powers to evaluate in the middle of a step, `None` without any; use the permits of those that are not evaluated.
+    pub(super) fn wanted(&mut self, predicted: &Predicted<P>) -> Option<Wanted> {
+        let [dissipated, external] = [0, 1].map(|i| {
+            let permitted = self.permits[i].left > 0;
+            predicted.is_accurate[i] && permitted
+        });
+        self.permits[0].left -= u32::from(dissipated);
+        self.permits[1].left -= u32::from(dissipated && external);
+        match (dissipated, external) {
+            (true, true) => None,
+            (true, false) => Some(Wanted::External),
+            (false, _) => Some(Wanted::All),
+        }
     }
 
-    /// Compare an evaluated power with the interpolated one: twice as many steps may follow, or none.
-    pub(super) fn test(&mut self, error: [f64; 2], accepted: f64) {
-        self.permitted = if is_below(error, accepted) {
-            (2 * self.permitted + 1).min(MOST_INTERPOLATED)
-        } else {
-            0
-        };
-        self.left = self.permitted;
+    /// Compare evaluated powers with the predicted ones, if these were accurate by their estimate: twice as many steps may follow, or none.
+    pub(super) fn test(
+        &mut self,
+        predicted: &Predicted<P>,
+        evaluated: Wanted,
+        error: [f64; 2],
+        accepted: [f64; 2],
+    ) {
+        let is_evaluated = [evaluated == Wanted::All, true];
+        for (i, permit) in self.permits.iter_mut().enumerate() {
+            if !predicted.is_accurate[i] || !is_evaluated[i] {
+                continue;
+            }
+            permit.permitted = if error[i].abs() <= accepted[i] {
+                (2 * permit.permitted + 1).min(MOST_INTERPOLATED)
+            } else {
+                0
+            };
+            permit.left = permit.permitted;
+        }
     }
-}
-
-/// Return the powers in the middle of a step if their estimated error is accepted; nodes are places in parts of the step and powers.
-pub(super) fn middle<P: PowerSum>(nodes: [(f64, P); 4], accepted: f64) -> Option<P> {
-    let [_, rest @ ..] = &nodes;
-    let cubic = weights_in_the_middle(&nodes);
-    let parabola = weights_in_the_middle(rest);
-    let totals = nodes.map(|(_, powers)| powers.totals());
-    let is_accurate = |which: usize| {
-        let mut error = cubic[0] * totals[0][which];
-        for node in 0..3 {
-            error += (cubic[node + 1] - parabola[node]) * totals[node + 1][which];
-        }
-        error.abs() <= accepted
-    };
-    (is_accurate(0) && is_accurate(1)).then(|| {
-        let mut sum = P::default();
-        for ((_, powers), weight) in nodes.iter().zip(cubic) {
-            sum.add_scaled(weight, powers);
-        }
-        sum
-    })
 }
 
 /// Return whether the errors of dissipated and external power are at most `accepted` \[W\].
@@ -73,11 +118,11 @@ pub(super) fn is_below(errors: [f64; 2], accepted: f64) -> bool {
 }
 
 /// Return the weights of powers at places in parts of a step in Lagrange's polynomial, in the middle of the step.
-fn weights_in_the_middle<P, const N: usize>(nodes: &[(f64, P); N]) -> [f64; N] {
-    let mut weights = [1.0; N];
+fn weights_in_the_middle<P>(nodes: &[(f64, P); 4]) -> [f64; 4] {
+    let mut weights = [1.0; 4];
     for (i, weight) in weights.iter_mut().enumerate() {
         let (mut above, mut below) = (1.0, 1.0);
-        for j in (0..N).filter(|&j| j != i) {
+        for j in (0..4).filter(|&j| j != i) {
             above *= 0.5 - nodes[j].0;
             below *= nodes[i].0 - nodes[j].0;
         }

@@ -14,6 +14,10 @@ impl PowerSum for Both {
     fn totals(&self) -> [f64; 2] {
         [self.0, self.1]
     }
+
+    fn with_external(self, external: f64) -> Self {
+        Self(self.0, external)
+    }
 }
 
 /// The quadrature of `steps` steps of two seconds that end at 2 s, in which the power dissipated is `power`.
@@ -26,8 +30,7 @@ fn metered_in(steps: u32, fineness: usize, power: impl Fn(f64) -> f64) -> Energy
         let start = begin + 2.0 * f64::from(i);
         let (end, order) = (start + 2.0, 1);
         let step = Step { start, end, order };
-        let at = |_, t| Both(power(t), 1.0);
-        quadrature.add_step(&step, (at(1.0, end), true), at);
+        quadrature.add_step(&step, Both(power(end), 1.0), |_, _, t| Both(power(t), 1.0));
     }
     quadrature
 }
@@ -104,19 +107,69 @@ fn a_smooth_power_takes_an_evaluation_in_one_of_32_steps() {
 }
 
 #[test]
-fn steps_with_an_onset_are_never_interpolated() {
+fn an_external_power_that_is_not_smooth_is_evaluated_alone() {
+    // The dissipated power is smooth. The external one has a vibration that the ends of the steps do not show.
+    let dissipated = |t: f64| 2.0 + (0.1 * t).sin();
+    let external = |t: f64| 1.0 + 9.0 * (0.5 * std::f64::consts::PI * t).sin().powi(2);
     let mut quadrature = EnergyQuadrature::new();
-    quadrature.begin(0.0, Both(1.0, 1.0));
+    quadrature.begin(0.0, Both(dissipated(0.0), external(0.0)));
+    let mut counts = [0; 2];
+    for i in 0..1000 {
+        let (start, end) = (2.0 * f64::from(i), 2.0 * f64::from(i + 1));
+        let (order, at_end) = (1, Both(dissipated(end), external(end)));
+        quadrature.add_step(&Step { start, end, order }, at_end, |wanted, _, t| {
+            counts[usize::from(wanted == Wanted::External)] += 1;
+            // What is not wanted is not used.
+            let power = if wanted == Wanted::All {
+                dissipated(t)
+            } else {
+                f64::NAN
+            };
+            Both(power, external(t))
+        });
+    }
+    let exact = 2.0 * 2000.0 + 10.0 * (1.0 - 200f64.cos());
+    assert!((quadrature.energies(2000.0).0 / exact - 1.0).abs() < 1e-5);
+    assert!((quadrature.energies(2000.0).1 / (5.5 * 2000.0) - 1.0).abs() < 1e-3);
+    assert!(counts[0] < 1000 / 32 + 10 && counts[1] > 950, "{counts:?}");
+}
+
+#[test]
+fn a_smooth_external_power_does_not_save_evaluations_of_a_dissipated_one_that_is_not() {
+    let power = |t: f64| 1.0 + 9.0 * (0.5 * std::f64::consts::PI * t).sin().powi(2);
+    let mut quadrature = EnergyQuadrature::new();
+    quadrature.begin(0.0, Both(power(0.0), 1.0));
     for i in 0..100 {
-        let (start, end) = (f64::from(i), f64::from(i + 1));
+        let (start, end) = (2.0 * f64::from(i), 2.0 * f64::from(i + 1));
         let step = Step {
             start,
             end,
             order: 1,
         };
-        quadrature.add_step(&step, (Both(1.0, 1.0), false), |_, _| Both(1.0, 1.0));
+        quadrature.add_step(&step, Both(power(end), 1.0), |wanted, _, t| {
+            assert_eq!(wanted, Wanted::All);
+            Both(power(t), 1.0)
+        });
     }
-    assert!(quadrature.evaluations() >= 100);
+    assert!((quadrature.energies(200.0).0 / (5.5 * 200.0) - 1.0).abs() < 1e-2);
+}
+
+#[test]
+fn a_step_after_an_evaluated_middle_is_predicted_from_it() {
+    // A power of degree three that begins at 0. Powers before that would spoil the prediction in the step from 2 to 4.
+    let power = |t: f64| if t < 0.0 { 0.0 } else { 1e3 + t.powi(3) };
+    let mut quadrature = EnergyQuadrature::new();
+    quadrature.begin(-2.0, Both(power(-2.0), 1.0));
+    for start in [-2.0, 0.0, 2.0, 4.0] {
+        let (end, order) = (start + 2.0, 1);
+        let before = quadrature.evaluations();
+        let step = Step { start, end, order };
+        quadrature.add_step(&step, Both(power(end), 1.0), |_, _, t| Both(power(t), 1.0));
+        // The step from 2 to 4 is the test that permits this.
+        assert_eq!(quadrature.evaluations() == before, start == 4.0, "{start}");
+    }
+    let exact = 2e3 + (6f64.powi(4) - 4f64.powi(4)) / 4.0;
+    assert!((quadrature.energies(6.0).0 - quadrature.energies(4.0).0 - exact).abs() < 1e-9);
 }
 
 #[test]
@@ -151,12 +204,19 @@ fn powers_are_interpolated_where_dissipated_and_external_ones_are_smooth() {
             )
         })
     };
-    // Cubic and parabola differ by a quarter of the third divided difference: 0.375 here.
-    assert!(interpolation::middle(nodes(1.0, 1.0), 0.4).is_some());
-    assert!(interpolation::middle(nodes(1.0, 1.0), 0.3).is_none());
-    assert!(interpolation::middle(nodes(0.0, 1.0), 0.3).is_none());
-    assert!(interpolation::middle(nodes(1.0, 0.0), 0.3).is_none());
-    let found = interpolation::middle(nodes(1.0, -2.0), 1.0).unwrap();
+    let predicted = |dissipated: f64, external: f64, accepted: f64| {
+        let [earlier, before, start, end] = nodes(dissipated, external);
+        let found = Predicted::new(earlier, before, [start, end], [accepted; 2]);
+        let exchanged = Predicted::new(before, earlier, [start, end], [accepted; 2]);
+        assert_eq!(found.powers, exchanged.powers);
+        found
+    };
+    // Cubic and parabola differ by a quarter of the third divided difference times 1.5: 0.375 here.
+    assert_eq!(predicted(1.0, 1.0, 0.4).is_accurate, [true; 2]);
+    assert_eq!(predicted(1.0, 1.0, 0.3).is_accurate, [false; 2]);
+    assert_eq!(predicted(0.0, 1.0, 0.3).is_accurate, [true, false]);
+    assert_eq!(predicted(1.0, 0.0, 0.3).is_accurate, [false, true]);
+    let found = predicted(1.0, -2.0, 1.0).powers;
     assert!((found.0 - 1.125).abs() < 1e-14 && (found.1 - 0.75).abs() < 1e-14);
 }
 
@@ -195,8 +255,8 @@ fn inside_a_late_step_of_several_panels_the_sum_is_that_of_a_parabola() {
         quadrature.refine(fineness);
         quadrature.begin(1.0, Both(power(1.0), 1.0));
         let (start, end, order) = (1.0, 3.0, 1);
-        let at = |_, t| Both(power(t), 1.0);
-        quadrature.add_step(&Step { start, end, order }, (at(1.0, end), true), at);
+        let step = Step { start, end, order };
+        quadrature.add_step(&step, Both(power(end), 1.0), |_, _, t| Both(power(t), 1.0));
         for t in [1.0f64, 1.3, 2.0, 2.9, 3.0] {
             let exact = t - 1.0 + (t.powi(3) - 1.0) / 3.0;
             assert!((quadrature.energies(t).0 - exact).abs() < 1e-13, "{t}");
@@ -251,11 +311,21 @@ fn the_error_of_half_a_step_is_that_of_a_cubic() {
 #[test]
 fn each_passed_test_permits_twice_as_many_interpolated_steps_up_to_31() {
     let mut interpolation = Interpolation::<Both>::default();
-    assert!(!interpolation.take());
+    let predicted = Predicted {
+        powers: Both(1.0, 1.0),
+        is_accurate: [true; 2],
+    };
+    assert_eq!(interpolation.wanted(&predicted), Some(Wanted::All));
     for expected in [1, 3, 7, 15, 31, 31] {
-        interpolation.test([0.5, -1.0], 1.0);
-        assert_eq!((0..40).filter(|_| interpolation.take()).count(), expected);
+        interpolation.test(&predicted, Wanted::All, [0.5, -1.0], [1.0; 2]);
+        let free = (0..40).filter(|_| interpolation.wanted(&predicted).is_none());
+        assert_eq!(free.count(), expected);
     }
-    interpolation.test([0.0, 1.1], 1.0);
-    assert!(!interpolation.take());
+    interpolation.test(&predicted, Wanted::All, [0.0, 1.1], [1.0; 2]);
+    assert_eq!(interpolation.wanted(&predicted), Some(Wanted::External));
+    // An evaluation of the external power alone is no test of the dissipated one, whose 31 steps go on.
+    interpolation.test(&predicted, Wanted::External, [9.0, 0.9], [1.0; 2]);
+    assert_eq!(interpolation.wanted(&predicted), None);
+    interpolation.test(&predicted, Wanted::All, [1.1, 0.0], [1.0; 2]);
+    assert_eq!(interpolation.wanted(&predicted), Some(Wanted::All));
 }
