@@ -195,17 +195,25 @@ fn take_border<S: Vectors>(
 #[inline(always)]
 fn put_solution<S: Vectors>(simd: S, solution: &[[Pack8<S::Number>; 3]], links: &mut [f64]) {
     let n = links.len() / 3;
-    for axis in 0..3 {
-        let (whole, rest) = links[axis * n..(axis + 1) * n].as_chunks_mut();
-        for (links, solution) in whole.iter_mut().zip(solution) {
-            for part in parts::<S>() {
-                put_double_part(links, part, solution[axis].at(simd, part));
-            }
+    let (x, rest) = links.split_at_mut(n);
+    let (y, turn) = rest.split_at_mut(n);
+    let [(x, x_rest), (y, y_rest), (turn, turn_rest)] =
+        [x, y, turn].map(|axis| axis.as_chunks_mut());
+    let (whole, behind) = solution.split_at(x.len());
+    let (y, turn) = (&mut y[..whole.len()], &mut turn[..whole.len()]);
+    for (number, solution) in whole.iter().enumerate() {
+        for part in parts::<S>() {
+            let values = read(simd, solution, part);
+            put_double_part(&mut x[number], part, values[0]);
+            put_double_part(&mut y[number], part, values[1]);
+            put_double_part(&mut turn[number], part, values[2]);
         }
-        if let Some(solution) = solution.get(whole.len()) {
+    }
+    if let [solution] = behind {
+        for (rest, solution) in [x_rest, y_rest, turn_rest].into_iter().zip(solution) {
             let mut rest = EntriesMut::of(simd, rest);
             for part in parts::<S>() {
-                rest.set(0, part, solution[axis].at(simd, part));
+                rest.set(0, part, solution.at(simd, part));
             }
         }
     }

@@ -73,17 +73,21 @@ impl<T: Number> LinkTerms<T> {
         links: usize,
         residuals: &[f64],
     ) {
-        for axis in 0..3 {
-            let (whole, rest) = residuals[axis * links..(axis + 1) * links].as_chunks();
-            for (group, residuals) in self.groups.iter_mut().zip(whole) {
-                for part in parts::<S>() {
-                    group.free[axis].put(part, rounded_part(simd, residuals, part));
-                }
+        let axes = [0, 1, 2].map(|axis| residuals[axis * links..(axis + 1) * links].as_chunks());
+        let whole = axes[0].0.len();
+        let (groups, behind) = self.groups.split_at_mut(whole);
+        let [x, y, turn] = axes.map(|(packs, _)| &packs[..whole]);
+        for (number, group) in groups.iter_mut().enumerate() {
+            for part in parts::<S>() {
+                let at = |axis: &[Pack]| rounded_part(simd, &axis[number], part);
+                write(&mut group.free, part, [at(x), at(y), at(turn)]);
             }
-            if let Some(group) = self.groups.get_mut(whole.len()) {
+        }
+        if let [group] = behind {
+            for (free, (_, rest)) in group.free.iter_mut().zip(axes) {
                 let rest = Entries::of(simd, rest);
                 for part in parts::<S>() {
-                    group.free[axis].put(part, rest.at(0, part));
+                    free.put(part, rest.at(0, part));
                 }
             }
         }

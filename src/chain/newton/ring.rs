@@ -197,10 +197,14 @@ impl<T: Number> Ring<T> {
         (0..places.div_ceil(S::LANES)).map(|number| number * S::LANES)
     }
 
-    /// Return the entry of the first place of each part in vector `part`, as many as a vector has lanes.
+    /// Return the entries of place `place` of the parts in vector `part`, as many as a vector has lanes.
     #[inline(always)]
-    fn starts_of<S: Vectors<Number = T>>(&self, part: usize) -> &[usize] {
-        &self.starts[part * S::LANES..(part + 1) * S::LANES]
+    fn entries<S: Vectors<Number = T>>(&self, place: usize, part: usize) -> [usize; WIDTH] {
+        let mut entries = [0; WIDTH];
+        for lane in 0..S::LANES {
+            entries[lane] = self.starts[part * S::LANES + lane] + place;
+        }
+        entries
     }
 
     /// Return the mask of the parts in vector `part` with all places occupied.
@@ -213,14 +217,19 @@ impl<T: Number> Ring<T> {
     /// Copy the blocks and transpose them: from rows of hinges to one hinge of each part.
     #[inline(always)]
     fn gather_blocks<S: Vectors<Number = T>>(&mut self, simd: S, rows: &[Pack8<T>]) {
+        let count = self.count;
         for part in parts::<S>() {
-            let starts = &self.starts[part * S::LANES..(part + 1) * S::LANES];
-            for (j, place) in self.places[..self.count].iter_mut().enumerate() {
+            // Rows of each part: slices of a known length, so that their bounds are checked once.
+            let mut of_parts = [&rows[..0]; WIDTH];
+            for (lane, entry) in (0..S::LANES).zip(self.entries::<S>(0, part)) {
+                of_parts[lane] = &rows[entry - BASE..entry - BASE + count];
+            }
+            for (j, place) in self.places[..count].iter_mut().enumerate() {
                 let mut entries = [Lanes::splat(simd, 0.0); WIDTH];
                 for half in parts::<S>() {
                     let mut some = [Lanes::splat(simd, 0.0); WIDTH];
                     for lane in 0..S::LANES {
-                        some[lane] = rows[starts[lane] + j - BASE].at(simd, half);
+                        some[lane] = of_parts[lane][j].at(simd, half);
                     }
                     let columns = transposed(simd, some);
                     for lane in 0..S::LANES {
@@ -348,10 +357,10 @@ impl<T: Number> Ring<T> {
 
 /// Return the vectors of an array from these entries on, transposed: one column per place, as many as a vector has lanes.
 #[inline(always)]
-fn gather<S: Vectors>(simd: S, from: &[S::Number], starts: &[usize]) -> [Lanes<S>; WIDTH] {
+fn gather<S: Vectors>(simd: S, from: &[S::Number], entries: &[usize; WIDTH]) -> [Lanes<S>; WIDTH] {
     let mut lanes = [Lanes::splat(simd, 0.0); WIDTH];
     for lane in 0..S::LANES {
-        let row = &from[starts[lane]..starts[lane] + S::LANES];
+        let row = &from[entries[lane]..entries[lane] + S::LANES];
         lanes[lane] = load(simd, &vectors::<S>(row, 1)[0]);
     }
     transposed(simd, lanes)

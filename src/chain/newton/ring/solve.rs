@@ -40,23 +40,20 @@ impl<T: Number> Ring<T> {
         }
         self.take_right_hand_sides(simd, unknowns);
         self.solve_places(simd);
-        for (axis, numbers) in unknowns.iter_mut().enumerate() {
-            self.give_back(simd, axis, numbers);
-        }
+        self.give_back(simd, unknowns);
     }
 
     /// Copy the right-hand sides place by place; empty first places get zero.
     #[inline(always)]
     fn take_right_hand_sides<S: Vectors<Number = T>>(&mut self, simd: S, from: &[Numbers<T>; 2]) {
+        // Slices of the same length: the bounds of an entry are checked once for both axes.
+        let length = from[0].len();
         for part in parts::<S>() {
             for first in self.vector_places::<S>() {
-                let Self {
-                    starts, unknowns, ..
-                } = &mut *self;
-                let starts = &starts[part * S::LANES..(part + 1) * S::LANES];
-                let places = &mut unknowns[first..first + S::LANES];
+                let entries = self.entries::<S>(first, part);
+                let places = &mut self.unknowns[first..first + S::LANES];
                 for axis in 0..2 {
-                    let columns = gather(simd, &from[axis][first..], starts);
+                    let columns = gather(simd, &from[axis][..length], &entries);
                     for lane in 0..S::LANES {
                         places[lane][axis].put(part, columns[lane]);
                     }
@@ -79,43 +76,46 @@ impl<T: Number> Ring<T> {
         }
     }
 
-    /// Write one axis of the unknowns hinge by hinge.
+    /// Write the unknowns hinge by hinge.
     #[inline(always)]
-    fn give_back<S: Vectors<Number = T>>(&self, simd: S, axis: usize, to: &mut [T]) {
-        let lanes = S::LANES;
+    fn give_back<S: Vectors<Number = T>>(&self, simd: S, to: &mut [Numbers<T>; 2]) {
+        let length = to[0].len();
         // The last vectors end with the last place where a part has as many places as a vector has lanes. Otherwise the next part
         // overwrites the values behind the last place.
-        let most = self.count.saturating_sub(lanes);
+        let most = self.count.saturating_sub(S::LANES);
         for part in parts::<S>() {
-            let starts = self.starts_of::<S>(part);
             for place in self.vector_places::<S>() {
                 let place = place.min(most);
-                let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
-                let places = &self.unknowns[place..place + lanes];
-                for lane in 0..lanes {
-                    rows[lane] = places[lane][axis].at(simd, part);
-                }
-                let columns = transposed(simd, rows);
-                for lane in 0..lanes {
-                    let first = starts[lane] + place;
-                    let to = &mut to[first..first + lanes];
-                    vectors_mut::<S>(to, 1)[0] = columns[lane].values();
+                let entries = self.entries::<S>(place, part);
+                let places = &self.unknowns[place..place + S::LANES];
+                for (axis, to) in to.iter_mut().enumerate() {
+                    let to = &mut to[..length];
+                    let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+                    for lane in 0..S::LANES {
+                        rows[lane] = places[lane][axis].at(simd, part);
+                    }
+                    let columns = transposed(simd, rows);
+                    for lane in 0..S::LANES {
+                        let to = &mut to[entries[lane]..entries[lane] + S::LANES];
+                        vectors_mut::<S>(to, 1)[0] = columns[lane].values();
+                    }
                 }
             }
         }
-        if self.has_single_place::<S>() {
-            let last = self.count - 1;
-            for (&start, &value) in self.starts.iter().zip(&self.unknowns[last][axis].0) {
-                to[start + last] = value;
+        let last = self.count - 1;
+        for (to, unknowns) in to.iter_mut().zip(&self.unknowns[last]) {
+            if self.has_single_place::<S>() {
+                for (&start, &value) in self.starts.iter().zip(&unknowns.0) {
+                    to[start + last] = value;
+                }
             }
+            // Empty first places have overwritten the hinges before them.
+            for part in self.full..WIDTH {
+                to[self.starts[part]] = unknowns.0[part - 1];
+            }
+            let behind = &mut to[BASE + self.hinges..BASE + self.hinges + WIDTH];
+            behind.fill(T::default());
         }
-        // Empty first places have overwritten the hinges before them.
-        let last = &self.unknowns[self.count - 1][axis].0;
-        for part in self.full..WIDTH {
-            to[self.starts[part]] = last[part - 1];
-        }
-        let behind = &mut to[BASE + self.hinges..BASE + self.hinges + WIDTH];
-        behind.fill(T::default());
     }
 
     /// Solve for the unknowns, which initially hold the right-hand sides place by place.
