@@ -7,30 +7,28 @@ use super::gap::{Gap, GapConstants, InGap};
 use crate::chain::contact::surface_constants;
 use crate::chain::model::Model;
 use crate::geometry::{AnsiCurves, Surface, ToothProfile, Vec2};
-use crate::math::simd::{Lanes, Mask};
+use crate::math::simd::{Lanes, Mask, Pack8, read};
 
-/// Dimensions of a tooth gap and the constants of its four surfaces.
+/// Dimensions of a tooth gap and the constants of its four surfaces, each for all lanes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AnsiGap {
-    seat_center_radius: f64,
-    seat_end_tangent: [f64; 2],
-    seating_clearance: f64,
-    working_center: [f64; 2],
-    working_clearance: f64,
-    flat_start: [f64; 2],
-    flat_tangent: [f64; 2],
-    flat_normal: [f64; 2],
-    flat_length: f64,
-    topping_center: [f64; 2],
-    topping_distance: f64,
-    bushing_radius: f64,
-    /// 1/(2 D) of seat and working curve, and -1/(2 D) of the tip, which is convex. D is the distance of the centres at which bushing and
-    /// curve touch \[1/m\].
-    half_over_touch: [f64; 3],
+    seat_center_radius: Pack8,
+    seat_end_tangent: [Pack8; 2],
+    working_center: [Pack8; 2],
+    flat_start: [Pack8; 2],
+    flat_tangent: [Pack8; 2],
+    flat_normal: [Pack8; 2],
+    flat_length: Pack8,
+    topping_center: [Pack8; 2],
+    /// D of seat, working curve and tip: distance of the centres at which bushing and curve touch \[m\].
+    touch: [Pack8; 3],
+    bushing_radius: Pack8,
+    /// 1/(2 D) of seat and working curve, and -1/(2 D) of the tip, which is convex \[1/m\].
+    half_over_touch: [Pack8; 3],
     /// Cosine and sine of half the angle between adjacent gaps.
-    half_gap: [f64; 2],
+    half_gap: [Pack8; 2],
     /// Constants of the contact law: [constant][surface].
-    law: [[f64; 4]; 2],
+    law: [[Pack8; 4]; 2],
 }
 
 impl AnsiGap {
@@ -47,28 +45,32 @@ impl AnsiGap {
 
     /// Return the gap for cylinders of `radius` on `profile`, with the law constants of the four surfaces.
     fn of(profile: &ToothProfile, curves: &AnsiCurves, radius: f64, law: [[f64; 2]; 4]) -> Self {
-        let pair = |v: Vec2| [v.x, v.y];
+        let all = Pack8::all;
+        let pair = |v: Vec2| [all(v.x), all(v.y)];
         let (sin, cos) = (0.5 * profile.gap_angle()).sin_cos();
+        let touch = [
+            curves.seating.radius - radius,
+            curves.working.radius - radius,
+            curves.topping.radius + radius,
+        ];
         Self {
-            seat_center_radius: profile.seat_center_radius,
+            seat_center_radius: all(profile.seat_center_radius),
             seat_end_tangent: pair(curves.seat_end_tangent),
-            seating_clearance: curves.seating.radius - radius,
             working_center: pair(curves.working.center),
-            working_clearance: curves.working.radius - radius,
             flat_start: pair(curves.flat.start),
             flat_tangent: pair(curves.flat.tangent),
             flat_normal: pair(curves.flat.normal),
-            flat_length: curves.flat.length,
+            flat_length: all(curves.flat.length),
             topping_center: pair(curves.topping.center),
-            topping_distance: curves.topping.radius + radius,
-            bushing_radius: radius,
+            touch: touch.map(all),
+            bushing_radius: all(radius),
             half_over_touch: [
-                0.5 / (curves.seating.radius - radius),
-                0.5 / (curves.working.radius - radius),
-                -0.5 / (curves.topping.radius + radius),
+                all(0.5 / touch[0]),
+                all(0.5 / touch[1]),
+                all(-0.5 / touch[2]),
             ],
-            half_gap: [cos, sin],
-            law: [0, 1].map(|i| law.map(|constants| constants[i])),
+            half_gap: [all(cos), all(sin)],
+            law: [0, 1].map(|i| law.map(|constants| all(constants[i]))),
         }
     }
 }
@@ -112,6 +114,12 @@ impl<S: Simd> AnsiVectors<'_, S> {
     fn splat(&self, value: f64) -> Lanes<S> {
         Lanes::splat(self.simd, value)
     }
+
+    /// Return a constant of the gap.
+    #[inline(always)]
+    fn at(&self, constant: &Pack8) -> Lanes<S> {
+        constant.at(self.simd, 0)
+    }
 }
 
 impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
@@ -123,8 +131,8 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
     }
 
     #[inline(always)]
-    fn half_gap(&self) -> [f64; 2] {
-        self.constants.half_gap
+    fn half_gap(&self) -> [Lanes<S>; 2] {
+        read(self.simd, &self.constants.half_gap, 0)
     }
 
     #[inline(always)]
@@ -135,31 +143,33 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
     #[inline(always)]
     fn nearest(&self, place: &InGap<S>) -> NearestOfFour<S> {
         let c = self.constants;
-        let splat = |value| self.splat(value);
-        let zero = splat(0.0);
+        let zero = self.splat(0.0);
         let right = place.u.abs();
-        let v = place.outward - splat(c.seat_center_radius);
+        let v = place.outward - self.at(&c.seat_center_radius);
         let seating = right
             .mul_add(
-                splat(c.seat_end_tangent[0]),
-                v * splat(c.seat_end_tangent[1]),
+                self.at(&c.seat_end_tangent[0]),
+                v * self.at(&c.seat_end_tangent[1]),
             )
             .less(zero);
-        let from_start = [right - splat(c.flat_start[0]), v - splat(c.flat_start[1])];
+        let from_start = [
+            right - self.at(&c.flat_start[0]),
+            v - self.at(&c.flat_start[1]),
+        ];
         let along = from_start[0].mul_add(
-            splat(c.flat_tangent[0]),
-            from_start[1] * splat(c.flat_tangent[1]),
+            self.at(&c.flat_tangent[0]),
+            from_start[1] * self.at(&c.flat_tangent[1]),
         );
         let working = along.less(zero);
-        let topping = along.greater(splat(c.flat_length)).and(seating.not());
-        let of = |seat: f64, work: f64, top: f64| {
-            seating.select(splat(seat), working.select(splat(work), splat(top)))
+        let topping = along.greater(self.at(&c.flat_length)).and(seating.not());
+        let curves = |work, top| working.select(self.at(work), self.at(top));
+        let center = |axis: usize| {
+            let curve = curves(&c.working_center[axis], &c.topping_center[axis]);
+            seating.select(zero, curve)
         };
-        let offset = [
-            right - of(0.0, c.working_center[0], c.topping_center[0]),
-            v - of(0.0, c.working_center[1], c.topping_center[1]),
-        ];
-        let touch = of(c.seating_clearance, c.working_clearance, c.topping_distance);
+        let offset = [right - center(0), v - center(1)];
+        let [seat, work, top] = &c.touch;
+        let touch = seating.select(self.at(seat), curves(work, top));
         let distance_squared = offset[0].mul_add(offset[0], offset[1] * offset[1]);
         // Overlap, without a square root: d > D for the concave curves, d < D for the convex topping curve.
         let beyond = distance_squared - touch * touch;
@@ -179,9 +189,9 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
         }
         // Flat: penetration = (distance of the centre from the line) + radius, along the normal into the material.
         let depth = from_start[0].mul_add(
-            splat(c.flat_normal[0]),
-            from_start[1] * splat(c.flat_normal[1]),
-        ) + splat(c.bushing_radius);
+            self.at(&c.flat_normal[0]),
+            from_start[1] * self.at(&c.flat_normal[1]),
+        ) + self.at(&c.bushing_radius);
         let near = flat.and(depth.exceeds(zero)).or(flat.not().and(near));
         NearestOfFour {
             seating,
@@ -214,11 +224,11 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
         let mut normal_u = surface.offset[0] * inverse;
         let mut normal_v = surface.offset[1] * inverse;
         if let Some((flat, flat_depth)) = surface.flat {
-            let [flat_u, flat_v] = self.constants.flat_normal;
+            let [flat_u, flat_v] = read(self.simd, &self.constants.flat_normal, 0);
             depth = flat.select(flat_depth, depth);
             curvature = flat.select(zero, curvature);
-            normal_u = flat.select(self.splat(flat_u), normal_u);
-            normal_v = flat.select(self.splat(flat_v), normal_v);
+            normal_u = flat.select(flat_u, normal_u);
+            normal_v = flat.select(flat_v, normal_v);
         }
         (
             depth,
@@ -234,10 +244,10 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
         place: &InGap<S>,
         velocity: [Lanes<S>; 2],
     ) -> [Lanes<S>; 2] {
-        let [seat, work, top] = self.constants.half_over_touch;
+        let [seat, work, top] = &self.constants.half_over_touch;
         let (seating, working) = (surface.seating, surface.working);
-        let rest = working.select(self.splat(work), self.splat(top));
-        let scale = seating.select(self.splat(seat), rest);
+        let rest = working.select(self.at(work), self.at(top));
+        let scale = seating.select(self.at(seat), rest);
         let [right, outward] = place.in_gap(place.on_left(), velocity);
         let touch = surface.touch;
         // Gap ±(d² - D²)/(2 D) and its rate ±(offset · velocity)/D.
@@ -245,8 +255,8 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
         let mut rate =
             surface.offset[0].mul_add(right, surface.offset[1] * outward) * (scale + scale);
         if let Some((flat, depth)) = surface.flat {
-            let [flat_u, flat_v] = self.constants.flat_normal;
-            let on_flat = right.mul_add(self.splat(flat_u), outward * self.splat(flat_v));
+            let [flat_u, flat_v] = read(self.simd, &self.constants.flat_normal, 0);
+            let on_flat = right.mul_add(flat_u, outward * flat_v);
             gap = flat.select(depth, gap);
             rate = flat.select(on_flat, rate);
         }
@@ -255,7 +265,7 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
 
     #[inline(always)]
     fn surface(&self, surface: &NearestOfFour<S>, place: &InGap<S>) -> (Lanes<S>, Mask<S>) {
-        let numbers = Surface::ANSI.map(|surface| f64::from(surface.0));
+        let numbers = Surface::ANSI.map(|surface| Pack8::all(f64::from(surface.0)));
         (self.of_surface(&numbers, surface), place.on_left())
     }
 
@@ -274,12 +284,12 @@ impl<S: Simd> AnsiVectors<'_, S> {
     #[inline(always)]
     fn of_surface(
         &self,
-        &[seat, work, flat, top]: &[f64; 4],
+        [seat, work, flat, top]: &[Pack8; 4],
         surface: &NearestOfFour<S>,
     ) -> Lanes<S> {
-        let rest = surface.topping.select(self.splat(top), self.splat(flat));
-        let rest = surface.working.select(self.splat(work), rest);
-        surface.seating.select(self.splat(seat), rest)
+        let rest = surface.topping.select(self.at(top), self.at(flat));
+        let rest = surface.working.select(self.at(work), rest);
+        surface.seating.select(self.at(seat), rest)
     }
 }
 

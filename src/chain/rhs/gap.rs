@@ -69,7 +69,7 @@ pub(crate) trait Gap<S: Simd> {
     fn place(&self, arm: [Lanes<S>; 2], direction: [Lanes<S>; 2], gap: [Lanes<S>; 2]) -> InGap<S>;
 
     /// Return cosine and sine of half the angle between adjacent gaps.
-    fn half_gap(&self) -> [f64; 2];
+    fn half_gap(&self) -> [Lanes<S>; 2];
 
     /// Return the nearest surface of each bushing.
     fn nearest(&self, place: &InGap<S>) -> Self::Nearest;
@@ -104,7 +104,6 @@ pub(crate) trait Gap<S: Simd> {
     #[inline(always)]
     fn left(&self, place: &InGap<S>) -> Mask<S> {
         let [cos, sin] = self.half_gap();
-        let (cos, sin) = (place.u.constant(cos), place.u.constant(sin));
         // Angle to the middle of the gap above half a pitch: |u|/v > tan(half).
         (place.u.abs() * cos).greater(place.outward * sin)
     }

@@ -264,10 +264,10 @@ impl Kernels {
         }
         let bristled = model.teeth.bristles.is_some();
         match form {
-            GapForm::Ansi(gap) if bristled => touch!(gap, true, true, true),
-            GapForm::Ansi(gap) if friction.is_some() => touch!(gap, true, true, false),
-            GapForm::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),
-            GapForm::Ansi(gap) => touch!(gap, false, false, false),
+            GapForm::Ansi(gap) if bristled => touch!(&**gap, true, true, true),
+            GapForm::Ansi(gap) if friction.is_some() => touch!(&**gap, true, true, false),
+            GapForm::Ansi(gap) if law.lambda > 0.0 => touch!(&**gap, true, false, false),
+            GapForm::Ansi(gap) => touch!(&**gap, false, false, false),
             GapForm::Table(gap) if bristled => touch!(gap, true, true, true),
             GapForm::Table(gap) if friction.is_some() => touch!(gap, true, true, false),
             GapForm::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, false),

@@ -206,7 +206,7 @@ impl Kernels {
             };
         }
         match &self.teeth[self.kind[s]].form {
-            GapForm::Ansi(gap) => read!(gap),
+            GapForm::Ansi(gap) => read!(&**gap),
             GapForm::Table(gap) => read!(gap),
         }
         candidates

@@ -18,7 +18,7 @@ pub(crate) struct ToothConstants {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum GapForm {
     /// Four surfaces of an undamaged ANSI tooth.
-    Ansi(AnsiGap),
+    Ansi(Box<AnsiGap>),
     /// Any surfaces, including damaged and eccentric teeth.
     Table(SurfaceTable),
 }
@@ -29,7 +29,7 @@ impl ToothConstants {
         let sprocket = &model.sprockets[s];
         let plain = sprocket.offset == Vec2::zeros() && sprocket.profile.damaged().next().is_none();
         let form = match sprocket.profile.ansi_curves().filter(|_| plain) {
-            Some(curves) => GapForm::Ansi(AnsiGap::new(model, s, curves)),
+            Some(curves) => GapForm::Ansi(Box::new(AnsiGap::new(model, s, curves))),
             None => GapForm::Table(SurfaceTable::new(model, s)),
         };
         Self {

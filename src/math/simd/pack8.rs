@@ -44,7 +44,7 @@ pub(crate) fn put_part<S: Vectors>(pack: &mut Pack<S::Number>, part: usize, valu
 }
 
 /// Eight numbers aligned to a cache line.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[repr(align(64))]
 pub(crate) struct Pack8<T = f64>(pub(crate) Pack<T>);
 
@@ -63,6 +63,11 @@ impl<T> Pack8<T> {
 }
 
 impl Pack8 {
+    /// Return the same number eight times. (Arithmetic reads such a constant from memory; a single number is first copied to all lanes.)
+    pub(crate) fn all(value: f64) -> Self {
+        Self([value; WIDTH])
+    }
+
     /// Load vector `part`, rounded to the precision of `S`.
     #[inline(always)]
     pub(crate) fn rounded<S: Vectors>(&self, simd: S, part: usize) -> Lanes<S> {

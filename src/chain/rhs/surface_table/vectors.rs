@@ -207,8 +207,8 @@ impl<S: Simd> Gap<S> for TableVectors<'_, S> {
     }
 
     #[inline(always)]
-    fn half_gap(&self) -> [f64; 2] {
-        self.table.half_gap
+    fn half_gap(&self) -> [Lanes<S>; 2] {
+        splat_two(self.simd, self.table.half_gap)
     }
 
     #[inline(always)]
