@@ -192,18 +192,18 @@ fn may_have_event<S: Simd>(
 ) -> Mask<S> {
     let zero = length.constant(0.0);
     let least = start.min(end);
-    let rising = start_rate.greater(zero).and(end_rate.less(zero));
-    let falling = start_rate.less(zero).and(end_rate.greater(zero));
     // Height of the intersection times (rate at start - rate at end), which is positive here: g0 (-v1) + g1 v0 - h v0 v1.
     let slopes = start.negate_mul_add(end_rate, end * start_rate);
     let peak = (length * start_rate).negate_mul_add(end_rate, slopes);
-    let touched = (start.max(end).less(zero))
-        .and(rising)
-        .and(peak.greater(zero));
+    // Separated at both ends, rising at the start and falling at the end. (The extreme of several numbers needs one comparison.)
+    let touched = (start.max(end).max(end_rate).less(zero)).and(start_rate.min(peak).greater(zero));
     // Lower bound of the cubic: min(g0, g1) - 4/27 h (v1 - v0).
     let reach = length.constant(REACH_OF_SLOPES) * length;
     let fall = reach.mul_add(start_rate - end_rate, least);
-    let parted = least.greater(zero).and(falling).and(fall.less(zero));
+    let parted = least
+        .min(end_rate)
+        .greater(zero)
+        .and(start_rate.max(fall).less(zero));
     touched.or(parted)
 }
 
