@@ -180,6 +180,10 @@ impl<S: Vectors> Lanes<S> {
     #[inline(always)]
     pub(crate) fn positive_part(self) -> Self {
         let zero = self.constant(0.0);
+        if cfg!(target_arch = "x86_64") && S::LANES > 1 {
+            // This instruction returns its second operand where either is NaN or both are zero.
+            return zero.max(self);
+        }
         self.less(zero).select(zero, self)
     }
 
@@ -358,5 +362,56 @@ impl<S: Vectors> Neg for Lanes<S> {
     #[inline(always)]
     fn neg(self) -> Self {
         self.with(self.simd.negate(self.values))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::{Simd, WithSimd};
+
+    use super::*;
+    use crate::math::simd::{InstructionSet, Pack, put_double_part, rounded_part};
+
+    struct PositivePart<'a, T>(&'a mut Pack, std::marker::PhantomData<T>);
+
+    impl<T: Number> WithSimd for PositivePart<'_, T> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let simd = T::vectors(simd);
+            for part in crate::math::simd::parts::<T::Vectors<S>>() {
+                let values = rounded_part(simd, self.0, part);
+                put_double_part(self.0, part, values.positive_part());
+            }
+        }
+    }
+
+    fn assert_positive_part<T: Number>() {
+        let given = [
+            f64::NAN,
+            -1.0,
+            -0.0,
+            0.0,
+            1.0,
+            f64::NEG_INFINITY,
+            f64::INFINITY,
+            -f64::NAN,
+        ];
+        for set in InstructionSet::available() {
+            let mut found = given;
+            T::run(set, PositivePart(&mut found, std::marker::PhantomData::<T>));
+            for (x, y) in given.into_iter().zip(found) {
+                let expected = if x < 0.0 { 0.0 } else { x };
+                let what = format!("{} {x} {y}", set.name());
+                assert_eq!(y.is_nan(), x.is_nan(), "{what}");
+                assert!(x.is_nan() || y.to_bits() == expected.to_bits(), "{what}");
+            }
+        }
+    }
+
+    #[test]
+    fn positive_parts_keep_nan_and_the_sign_of_zero_in_both_precisions() {
+        assert_positive_part::<f64>();
+        assert_positive_part::<f32>();
     }
 }
