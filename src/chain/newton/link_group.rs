@@ -17,6 +17,8 @@ pub(super) struct LinkGroup<T> {
     pub(super) mass: Pack8<T>,
     pub(super) inertia: Pack8<T>,
     pub(super) inverse_mass: Pack8<T>,
+    /// Half the length of every link \[m\].
+    arm: Pack8<T>,
     /// One where bushing k is on the front of link k, else zero.
     pub(super) front_bushing: Pack8<T>,
     /// One where bushing k - 1 is on the rear of link k.
@@ -47,6 +49,7 @@ impl<T: Number> LinkGroup<T> {
             mass: lay_out(&|i| model.chain.mass[i], 1.0),
             inertia: lay_out(&|i| model.chain.inertia[i], 1.0),
             inverse_mass: lay_out(&|i| 1.0 / model.chain.mass[i], 1.0),
+            arm: lay_out(&|i| model.chain.arms[i], 0.0),
             front_bushing: lay_out(&|i| f64::from(owner(i) == i), 0.0),
             rear_bushing: lay_out(&|i| f64::from(owner(i + n - 1) == i), 0.0),
             touches_teeth: false,
@@ -159,8 +162,6 @@ pub(super) struct Linked<'a, T: Number> {
     pub(super) gamma: f64,
     /// Cosines and sines of the links.
     pub(super) direction: [&'a [f64]; 2],
-    /// Half the length of every link \[m\].
-    pub(super) arm: &'a [f64],
     /// Forces on front and rear ends, x and y \[N\].
     pub(super) front_force: [&'a [f64]; 2],
     pub(super) rear_force: [&'a [f64]; 2],
@@ -173,7 +174,6 @@ pub(super) struct LinkRows<'a, S: Vectors> {
     gamma_squared: f64,
     cos: &'a [Pack],
     sin: &'a [Pack],
-    arm: &'a [Pack],
     front_force: [&'a [Pack]; 2],
     rear_force: [&'a [Pack]; 2],
     /// Arms of the contact points of the hinges at front and rear, see [`FrictionArms`].
@@ -193,7 +193,6 @@ impl<'a, S: Vectors> LinkRows<'a, S> {
             gamma_squared: of.gamma * of.gamma,
             cos: packs(of.direction[0], groups),
             sin: packs(of.direction[1], groups),
-            arm: packs(of.arm, groups),
             front_force: [packs(front_x, groups), packs(front_y, groups)],
             rear_force: [packs(rear_x, groups), packs(rear_y, groups)],
             front_arms: [
@@ -219,7 +218,7 @@ impl<'a, S: Vectors> LinkRows<'a, S> {
         let i = number * parts::<S>().len() + part;
         let at = |array: &[Pack]| rounded_part(simd, &array[number], part);
         let own = |array: &[S::Vector]| load(simd, &array[i]);
-        let (arm, cos, sin) = (at(self.arm), at(self.cos), at(self.sin));
+        let (arm, cos, sin) = (links.arm.at(simd, part), at(self.cos), at(self.sin));
         let lever = [-(arm * sin), arm * cos];
         write(&mut links.lever, part, lever);
         // Geometric stiffness: the moment of the end forces decreases by arm times stretching force per angle of the link.

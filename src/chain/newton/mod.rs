@@ -41,7 +41,7 @@ use ring::{BASE, HingeRows, Ring, hinge_numbers, hinge_rows};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};
 
-use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::arrays::layout::{ChainArrays, FIRST};
 use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::Slopes;
 use crate::chain::contact::Candidates;
@@ -116,7 +116,6 @@ struct Factors<T: Number> {
 /// Data of the last evaluation of the right-hand side from which the matrix is assembled.
 pub(crate) struct Evaluated<'a> {
     pub(crate) instructions: InstructionSet,
-    pub(crate) constants: &'a LinkConstants,
     pub(crate) chain: &'a ChainArrays,
     /// Arrays of the bodies on the teeth: the chain's, or those of the rollers.
     pub(crate) on_teeth: &'a ChainArrays,
@@ -490,7 +489,6 @@ impl<T: Number, const FRICTION: bool> Factorise<'_, T, FRICTION> {
             links: n,
             gamma,
             direction: [cos, sin],
-            arm: &evaluated.constants.front_arm,
             front_force: [front_x, front_y],
             rear_force: [&rear_x[FIRST..], &rear_y[FIRST..]],
             teeth: &factors.teeth,

@@ -165,8 +165,8 @@ impl<'a> Bristling<'a> {
             law: BristleLaw::new(simd, self.law),
             radius: Lanes::splat(simd, self.radius),
             gamma: self.gamma.map(|gamma| Lanes::splat(simd, gamma)),
-            deflection: vectors_from_mut::<S>(&mut self.deflection, first, blocks),
-            rate: vectors_from_mut::<S>(&mut self.rate, first, blocks),
+            deflection: vectors_from_mut::<S>(self.deflection, first, blocks),
+            rate: vectors_from_mut::<S>(self.rate, first, blocks),
         }
     }
 

@@ -41,7 +41,6 @@ impl Kernels {
     fn evaluated<'a>(&'a self, pawls: &'a [f64], indefinite: bool) -> Evaluated<'a> {
         Evaluated {
             instructions: self.instructions,
-            constants: &self.links,
             chain: &self.chain,
             on_teeth: on_teeth(&self.chain, self.rollers.as_deref()),
             candidates: &self.candidates,
