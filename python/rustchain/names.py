@@ -31,10 +31,13 @@ def suggest(word: object, known: Iterable[str], main: Iterable[str] | None = Non
     return f"known: {', '.join(kept)}{', ...' if len(kept) < len(listed) else ''}"
 
 
-def nearest_name(word: object, known: Iterable[str]) -> str | None:
-    """Return the known name that is spelt most like `word`; None where none is near."""
+def nearest_name(word: object, known: Iterable[str], least: float = 0.6) -> str | None:
+    """Return the known name that is spelt most like `word`; None where none is near.
+
+    `least` is the least likeness, from 0 to 1.
+    """
     folded = {name.casefold(): name for name in known}
-    near = get_close_matches(word.casefold(), folded, n=1) if isinstance(word, str) else []
+    near = get_close_matches(word.casefold(), folded, 1, least) if isinstance(word, str) else []
     return folded[near[0]] if near else None
 
 

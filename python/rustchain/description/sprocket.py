@@ -24,12 +24,8 @@ def _refuse_a_list_of_numbers(where: str, axis: str, given: object) -> None:
     """Tell a list of numbers, or an array of one axis, as it was given and not by its first one."""
     values = plain(given)
     if isinstance(values, tuple) and values and not any(isinstance(v, tuple) for v in values):
-        number = "one number, or rows" if axis == "time" else "rows"
-        msg = (
-            f"{where} = {shown(given)}: each row must be ({axis}, value); "
-            f"expected {number} of ({axis}, value)"
-        )
-        raise InvalidInput(msg)
+        expected = "one number, or rows" if axis == "time" else "rows"
+        raise InvalidInput(f"{where} = {shown(given)}: must be {expected} of ({axis}, value)")
 
 
 @description(frozen=True)

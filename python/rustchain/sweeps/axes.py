@@ -37,6 +37,7 @@ Path: TypeAlias = tuple[str, ...]
 
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
 _SCENE_FIELDS = tuple(field.name for field in dataclasses.fields(Scene)[1:])  # beside the system
+_LAW_FIELDS = tuple(name for name in field_names(Scene) if "_law." in name)
 RUN_FIELDS = ("duration", "report_step", "record", "energy")
 _SHORTHANDS = ("replicate", "pretension", "speed")
 _DISTURBANCE = 1e-4  # of a speed at the start
@@ -52,8 +53,9 @@ def parameter_names(system: System | None = None, run: Iterable[str] = RUN_FIELD
     if isinstance(system, Scene | ChainDrive | Mechanism):
         kinds = (type(scene_of(system).system),)
     of_systems = [name for kind in kinds for name in field_names(kind)]
-    shorthands = _SHORTHANDS if ChainDrive in kinds else ("replicate",)
-    names = (*shorthands, *run, *of_systems, *_SCENE_FIELDS, *_SOLVER_FIELDS)
+    of_drives = ChainDrive in kinds
+    shorthands, of_laws = (_SHORTHANDS, _LAW_FIELDS) if of_drives else (("replicate",), ())
+    names = (*shorthands, *run, *of_systems, *_SCENE_FIELDS, *_SOLVER_FIELDS, *of_laws)
     return list(dict.fromkeys(names))
 
 

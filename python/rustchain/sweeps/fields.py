@@ -11,6 +11,9 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 
 from rustchain.names import nearest_name, suggest
 
+# Of the many last names of fields, some are like any word: friction is to direction as 0.71.
+_LIKENESS_OF_FIELDS = 0.75
+_LIKENESS_OF_PARTS = 0.6  # body and bodies
 _NUMBER = re.compile(r"(?<=\.)\d+(?=[.']|$)")
 
 
@@ -36,7 +39,7 @@ def nearest(name: str, known: Sequence[str], why: Callable[[str], str | None]) -
         return f"parts are numbered from 1 behind a dot: {dotted!r}"
     meant = _meant(name, known)
     if isinstance(meant, list):
-        return suggest(None, meant)
+        return (any(map(why, meant)) and why(name)) or suggest(None, meant)
     return (why(meant) and why(name)) or f"did you mean {meant!r}?"
 
 
@@ -53,6 +56,9 @@ def _meant(name: str, known: Sequence[str]) -> str | list[str]:
         if general(f".{head}")[1:] in inside and head.strip("0"):
             shown += f"{head}."
             continue
+        names = [shown + path for path in inside if "." not in path]
+        if rest.replace(".", "").isdecimal():  # numbers alone could be those of any part
+            return names
         tail = general(f".{rest}")
         skipped = next((path for path in inside if path.endswith(tail)), None)
         if skipped is not None:  # parts before it are missing
@@ -64,7 +70,8 @@ def _meant(name: str, known: Sequence[str]) -> str | list[str]:
         if inside == ["1"]:  # numbers only, such as the two of a point
             shown += "2." if head.casefold() == "y" else "1."
             continue
-        near = "1" if "1" in inside else nearest_name(head, candidates)
+        least = _LIKENESS_OF_FIELDS if head == rest else _LIKENESS_OF_PARTS
+        near = "1" if "1" in inside else nearest_name(head, candidates, least)
         if near is None:
             ends = [name.split(".", n)[-1] for n in range(1, len(heads))]
             if k == 0 and (end := next((e for e in ends if general(e) in known), None)):
@@ -73,7 +80,7 @@ def _meant(name: str, known: Sequence[str]) -> str | list[str]:
                 candidates = _places_of_parts(inside)
                 near = nearest_name(head, candidates)
         if near is None:
-            return [shown + path for path in inside if "." not in path]
+            return names
         shown += f"{candidates[near]}."
     return shown[:-1]
 

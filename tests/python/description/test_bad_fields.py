@@ -87,7 +87,7 @@ def test_a_wrong_coordinate_is_refused_by_name(kind, field, axis, value, allowed
 
 TABLES = [
     ((), "()", "needs at least one row (time, value)"),
-    ((1.0, 2.0), None, "each row must be (time, value)"),
+    ((1.0, 2.0), None, "must be one number, or rows of (time, value)"),
     (((0.0, 1.0), (1.0,)), "(1.0,)", "each row must be (time, value)"),
     (((0.0, 1.0, 2.0),), "(0.0, 1.0, 2.0)", "each row must be (time, value)"),
     ((("0", 1.0),), "'0'", "must be a number in s"),
@@ -115,15 +115,15 @@ def test_a_wrong_table_is_refused_by_name_and_row(motion, field, unit, rows, val
 
 @pytest.mark.parametrize("given", [np.array([20.0]), np.array([20.0, 30.0]), [20.0]])
 def test_numbers_in_a_row_are_told_as_they_were_given(given):
-    for motion, where in (
-        (lambda: rc.PrescribedSpeed(given), "PrescribedSpeed.speed"),
-        (lambda: rc.AppliedTorque(given), "AppliedTorque.torque"),
-        (lambda: rc.AppliedTorque(curve=given), "AppliedTorque.curve"),
+    for motion, where, expected in (
+        (rc.PrescribedSpeed, "speed", "one number, or rows of (time, value)"),
+        (rc.AppliedTorque, "torque", "one number, or rows of (time, value)"),
+        (rc.AppliedTorque, "curve", "rows of (speed, value)"),
     ):
         with pytest.raises(rc.InvalidInput) as caught:
-            motion()
-        assert str(caught.value).startswith(f"{where} = {given!r}: each row must be (")
-        assert "; expected " in str(caught.value)
+            motion(**{where: given})
+        said = f"{motion.__name__}.{where} = {given!r}: must be {expected}"
+        assert str(caught.value) == said
 
 
 @pytest.mark.parametrize("teeth", [4, 1001])
