@@ -156,6 +156,13 @@ impl Adams {
         &self.vectors.y[..self.vectors.dimension]
     }
 
+    /// Return whether the last evaluation of the last step was at its end. This is so for explicit steps: Newton's method evaluates before
+    /// each correction.
+    #[must_use]
+    pub fn ended_with_evaluation(&self) -> bool {
+        self.convergence.gamma == 0.0
+    }
+
     /// Return γ \[s\] and the velocities of the last step's correction, where its last evaluation was made before it: at the predicted value
     /// of a step with one unmeasured correction, which differs from [`Self::y`] by about the tolerance.
     #[must_use]

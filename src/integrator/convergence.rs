@@ -49,7 +49,7 @@ pub(super) struct NewtonConvergence {
     contraction: f64,
     /// Whether the last step ended with its first correction.
     pub(super) unmeasured: bool,
-    /// γ of the last step that did \[s\].
+    /// γ of the last step \[s\]; zero after an explicit one.
     pub(super) gamma: f64,
 }
 

@@ -144,6 +144,7 @@ impl Adams {
         let (history, vectors) = (&mut self.history, &mut self.vectors);
         self.time += h;
         self.convergence.unmeasured = false;
+        self.convergence.gamma = 0.0;
         // Without compensation the corrected value was written with the error estimate.
         if history.differences.compensates() {
             let weight = h * history.coefficients.g[k];

@@ -64,6 +64,7 @@ impl Adams {
     ) -> Option<ErrorEstimate> {
         let nq = system.coordinates();
         let gamma = self.history.gamma(&self.next);
+        self.convergence.gamma = gamma;
         // Norm of the correction before; infinite, so that the first convergence rate is zero.
         let mut last = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
@@ -99,7 +100,6 @@ impl Adams {
                 let (control, convergence) = (&self.control, &mut self.convergence);
                 // The second correction, c |Δ₁|², may be negligible by the constant c of earlier steps.
                 if convergence.may_skip_second_correction(control, size, safety_factor) {
-                    self.convergence.gamma = gamma;
                     return Some(self.finish_corrector(nq, gamma, applied.distance));
                 }
                 size

@@ -145,6 +145,12 @@ impl System for MechanismDynamics {
         ]
     }
 
+    fn reach_step_end(&mut self, adams: &Adams, _step: &Step, peaks: bool) {
+        if peaks && !adams.ended_with_evaluation() {
+            self.evaluate_step_end(adams);
+        }
+    }
+
     fn evaluate_step_end(&mut self, adams: &Adams) {
         self.differentiate(adams.time(), adams.y());
     }

@@ -114,8 +114,8 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     /// Use the present state of `adams` as the start of the next step of the energy quadrature, if the energy quadrature is on.
     fn resume_metering(&mut self, _adams: &Adams) {}
 
-    /// Change forces and powers of the last evaluation to those at the end of the last step, where `peaks` are recorded or the energy
-    /// quadrature is on.
+    /// Change the forces of the last evaluation, and the powers, to those at the end of the last step, where `peaks` are recorded or the
+    /// energy quadrature is on. The evaluation that this may need does not depend on which of both it is for: they have the same bits alone.
     fn reach_step_end(&mut self, _adams: &Adams, _step: &Step, _peaks: bool) {}
 
     /// Add the energies of the last step, if the energy quadrature is on.

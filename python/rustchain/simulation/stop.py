@@ -116,8 +116,7 @@ class _ContactForceAbove(StopCondition):
 class HingeForceAbove(_ContactForceAbove):
     """The force of a hinge has exceeded a limit since the row before.
 
-    It is compared with the peaks of `Result.peaks`, which are too large in single steps with an
-    `accuracy` looser than 1e-9.
+    It is compared with the peaks of `Result.peaks`, the forces at the ends of all steps.
 
     Attributes
     ----------
@@ -138,8 +137,7 @@ class HingeForceAbove(_ContactForceAbove):
 class ToothForceAbove(_ContactForceAbove):
     """The tooth force of a bushing has exceeded a limit since the row before.
 
-    It is compared with the peaks of `Result.peaks`, which are too large in single steps with an
-    `accuracy` looser than 1e-9.
+    It is compared with the peaks of `Result.peaks`, the forces at the ends of all steps.
 
     Attributes
     ----------

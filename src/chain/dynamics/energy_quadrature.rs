@@ -72,19 +72,21 @@ impl Dynamics {
     /// Change powers, and forces for `peaks`, of the last evaluation to those at the end of the last step, where energy is kept or peaks are
     /// recorded.
     ///
+    /// A step of Newton's method with several corrections takes an evaluation: its slopes are those of the prediction, and the last correction
+    /// can change a force by several times its value.
+    ///
     /// Call it after [`Self::finish_step`], which reads the contacts of the last evaluation. That stores new impact velocities: evaluations
     /// from here on use them, the forces of the step used the present rates.
     pub(super) fn reach_end_of_step(&mut self, adams: &Adams, step: &Step, peaks: bool) {
-        if !self.keeps_energy && !peaks {
+        if adams.ended_with_evaluation() || (!self.keeps_energy && !peaks) {
             return;
         }
         let end = (step.end, adams.y());
         match adams.correction_after_evaluation() {
-            None => {}
             Some(correction) if self.has_all_slopes() => {
                 self.correct_powers(end, correction, peaks);
             }
-            Some(_) => {
+            _ => {
                 if self.keeps_energy {
                     self.quadrature.count_evaluation();
                 }
