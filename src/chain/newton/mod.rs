@@ -5,7 +5,7 @@
 //!
 //! The 3x3 blocks of the links are eliminated first. The remainder is a ring of 2x2 blocks, one per hinge, bordered by the
 //! coordinates of the sprockets. The work is proportional to the number of links. Memory is allocated at
-//! construction, and once more for factors of double precision when a step first needs them.
+//! construction, and once more where a model of single precision first needs factors of double precision.
 
 #![allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
 #![allow(clippy::needless_range_loop)] // several arrays of packs have one index, whose bound is checked once for all
@@ -71,13 +71,12 @@ pub(crate) struct NewtonMatrix {
     /// Written by evaluations.
     pub(crate) slopes: Slopes,
     motions: Vec<SprocketMotions>,
-    single: Factors<f32>,
-    /// Factors of double precision, allocated when first needed.
+    /// Factors of single precision, where the model suits it.
+    single: Option<Box<Factors<f32>>>,
+    /// Factors of double precision, where it does not, or once a step has needed them.
     double: Option<Box<Factors<f64>>>,
     /// Whether the last factors have double precision.
     is_double: bool,
-    /// Whether masses and moments of inertia are within the range of single precision.
-    suits_single: bool,
     /// Scratch: corrections of the links' ends.
     corrected: CorrectedEnds,
 }
@@ -134,35 +133,33 @@ impl NewtonMatrix {
         let inertias = model.chain.mass.iter().chain(&model.chain.inertia);
         let rollers = model.rollers.iter();
         let rollers = rollers.flat_map(|rollers| [rollers.mass, rollers.inertia]);
+        // A thick film has a stiffness of up to 1e4 masses of a link and more, which multiplies the rounding of a correction.
+        let suits_single = !model.hinges.ideal
+            && model.hinges.film.is_none()
+            && (inertias.copied().chain(rollers))
+                .all(|inertia| (LIGHTEST..1.0 / LIGHTEST).contains(&inertia));
         Self {
             slopes: Slopes::new(model),
             motions: SprocketMotions::of(model),
-            single: Factors::new(model),
-            double: None,
+            single: suits_single.then(|| Box::new(Factors::new(model))),
+            double: (!suits_single).then(|| Box::new(Factors::new(model))),
             is_double: false,
-            suits_single: (inertias.copied().chain(rollers))
-                .all(|inertia| (LIGHTEST..1.0 / LIGHTEST).contains(&inertia)),
             corrected: CorrectedEnds::new(model.links),
         }
     }
 
     /// Assemble and factorise the matrix; return false where it is singular, or indefinite without permission.
     pub(crate) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
-        let of = (&self.slopes, &mut self.motions[..]);
-        // A thick film has a stiffness of up to 1e4 masses of a link and more, which multiplies the rounding of a correction.
-        self.is_double = model.hinges.ideal
-            || model.hinges.film.is_some()
-            || evaluated.indefinite
-            || gamma > LONGEST
-            || !self.suits_single;
+        let (slopes, motions) = (&self.slopes, &mut self.motions[..]);
+        let suited = gamma <= LONGEST && !evaluated.indefinite;
+        let single = self.single.as_mut().filter(|_| suited);
+        // One that is not definite may be so by rounding.
+        self.is_double = !single
+            .is_some_and(|single| single.factorise((slopes, motions), model, evaluated, gamma));
         if !self.is_double {
-            if self.single.factorise(of, model, evaluated, gamma) {
-                return true;
-            }
-            // Perhaps by rounding.
-            self.is_double = true;
+            return true;
         }
-        let of = (&self.slopes, &mut self.motions[..]);
+        let of = (slopes, &mut self.motions[..]);
         let double = self
             .double
             .get_or_insert_with(|| Box::new(Factors::new(model)));
@@ -178,9 +175,12 @@ impl NewtonMatrix {
         residual: &mut [f64],
         lack: Option<&[Numbers; 2]>,
     ) {
-        match &mut self.double {
-            Some(double) if self.is_double => double.correct(model, instructions, residual, lack),
-            _ => self.single.correct(model, instructions, residual, lack),
+        match (&mut self.double, &mut self.single) {
+            (Some(double), _) if self.is_double => {
+                double.correct(model, instructions, residual, lack);
+            }
+            (_, Some(single)) => single.correct(model, instructions, residual, lack),
+            _ => {}
         }
     }
 
@@ -214,9 +214,10 @@ impl NewtonMatrix {
     /// Write the corrections of the velocities of the links' ends with the last correction.
     pub(crate) fn write_corrected_ends(&mut self, instructions: InstructionSet) {
         let corrected = &mut self.corrected;
-        match &self.double {
-            Some(double) if self.is_double => double.write_ends(instructions, corrected),
-            _ => self.single.write_ends(instructions, corrected),
+        match (&self.double, &self.single) {
+            (Some(double), _) if self.is_double => double.write_ends(instructions, corrected),
+            (_, Some(single)) => single.write_ends(instructions, corrected),
+            _ => {}
         }
     }
 }
@@ -500,5 +501,22 @@ impl<T: Number, const FRICTION: bool> Factorise<'_, T, FRICTION> {
             .eliminate::<S, FRICTION>(simd, &linked, roots, rows);
         let definite = !factors.roots.any || factors.ring.factorise(simd, &factors.rows);
         (definite || evaluated.indefinite) && factors.eliminate_border::<S, FRICTION>(simd, n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::NewtonMatrix;
+    use crate::chain::contact::tests::{compiled, drive};
+
+    #[test]
+    fn a_model_that_always_takes_double_precision_has_no_factors_of_single_precision() {
+        let (mut model, _) = compiled(&drive());
+        for ideal in [false, true] {
+            model.hinges.ideal = ideal;
+            let matrix = NewtonMatrix::new(&model);
+            assert_eq!(matrix.single.is_some(), !ideal);
+            assert_eq!(matrix.double.is_some(), ideal);
+        }
     }
 }
