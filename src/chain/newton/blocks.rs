@@ -20,6 +20,26 @@ pub(super) trait Registers<S: Vectors, const N: usize>: Copy {
     fn registers(self) -> [Lanes<S>; N];
     /// Compose from SIMD vectors.
     fn of_registers(registers: [Lanes<S>; N]) -> Self;
+
+    /// Return self + other.
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        let mut sum = self.registers();
+        for (entry, other) in sum.iter_mut().zip(other.registers()) {
+            *entry = *entry + other;
+        }
+        Self::of_registers(sum)
+    }
+
+    /// Return self - other.
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        let mut rest = self.registers();
+        for (entry, other) in rest.iter_mut().zip(other.registers()) {
+            *entry = *entry - other;
+        }
+        Self::of_registers(rest)
+    }
 }
 
 macro_rules! registers {
@@ -135,30 +155,12 @@ impl<S: Vectors> Symmetric<S> {
         Vector([a.mul_add(x, b * y), b.mul_add(x, d * y)])
     }
 
-    /// Return self + other.
-    #[inline(always)]
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        let mut sum = *self;
-        for (entry, other) in sum.0.iter_mut().zip(other.0) {
-            *entry = *entry + other;
-        }
-        sum
-    }
-
     /// Return self m self.
     #[inline(always)]
     pub(super) fn between(&self, m: &Self) -> Self {
         let [a, d, b] = self.0;
         let own = Block([a, b, b, d]);
         own.transposed_times(&m.times_block(&own))
-    }
-
-    /// Subtract `other`.
-    #[inline(always)]
-    pub(super) fn subtract(&mut self, other: &Self) {
-        for (entry, other) in self.0.iter_mut().zip(other.0) {
-            *entry = *entry - other;
-        }
     }
 
     /// Subtract the product left right, which is symmetric.
@@ -199,16 +201,6 @@ impl<S: Vectors> Block<S> {
     pub(super) fn negated(&self) -> Self {
         let [xx, xy, yx, yy] = self.0;
         Self([-xx, -xy, -yx, -yy])
-    }
-
-    /// Return self + other.
-    #[inline(always)]
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        let mut sum = *self;
-        for (entry, other) in sum.0.iter_mut().zip(other.0) {
-            *entry = *entry + other;
-        }
-        sum
     }
 
     /// Return self other.
@@ -275,23 +267,5 @@ impl<S: Vectors> Block<S> {
     pub(super) fn transposed_of(&self, v: &Vector<S>) -> Vector<S> {
         let ([xx, xy, yx, yy], [x, y]) = (self.0, v.0);
         Vector([xx.mul_add(x, yx * y), xy.mul_add(x, yy * y)])
-    }
-}
-
-impl<S: Vectors> Vector<S> {
-    /// Add `other`.
-    #[inline(always)]
-    pub(super) fn add(&mut self, other: &Self) {
-        for (entry, other) in self.0.iter_mut().zip(other.0) {
-            *entry = *entry + other;
-        }
-    }
-
-    /// Subtract `other`.
-    #[inline(always)]
-    pub(super) fn subtract(&mut self, other: &Self) {
-        for (entry, other) in self.0.iter_mut().zip(other.0) {
-            *entry = *entry - other;
-        }
     }
 }

@@ -7,7 +7,7 @@
 //! `(1 + L_k (F_k D_k⁻¹ F_k^T + R_(k+1) D_(k+1)⁻¹ R_(k+1)^T) L_k) g_k - L_k F_k D_k⁻¹ R_k^T L_(k-1) g_(k-1) - ... = L_k (F_k w_k - R_(k+1) w_(k+1))`.
 //! It has no divisions by a stiffness, which is zero in an open hinge and tiny at an onset: rounding stays small in single precision.
 
-use super::blocks::{Block, Symmetric, Vector};
+use super::blocks::{Block, Registers, Symmetric, Vector};
 use super::contacts::HingeRoots;
 use super::link_group::{Bushings, LinkGroup, LinkRows, Linked};
 use super::ring::{BASE, BEFORE, HingeRows, hinge_numbers, put_rows};
@@ -186,7 +186,7 @@ impl<T: Number> LinkTerms<T> {
             let root = Symmetric(three_at(simd, &own, i));
             let before = Symmetric(three_at(simd, &before, i));
             let both = Symmetric(three_at(simd, &front, i));
-            let both = both.plus(&Symmetric(three_at(simd, &rear, i)));
+            let both = both.plus(Symmetric(three_at(simd, &rear, i)));
             let [xx, yy, xy] = root.between(&both).0;
             let coupling = Block([
                 load(simd, &between[0][i]),

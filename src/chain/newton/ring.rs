@@ -8,7 +8,7 @@
 
 mod solve;
 
-use super::blocks::{Block, Symmetric, from_left, from_right};
+use super::blocks::{Block, Registers, Symmetric, from_left, from_right};
 use crate::math::dense::Dense;
 use crate::math::simd::{
     Lanes, Mask, Number, Numbers, Pack8, Vectors, WIDTH, lane_numbers, load, no_lane, padded,
@@ -114,7 +114,7 @@ impl<T: Number> Round<T> {
         let taken = from_right(simd, taken, distance);
         for part in parts::<S>() {
             let share = coupling[part].times_symmetric(&inverse[part]);
-            own[part].subtract(&taken[part]);
+            own[part] = own[part].minus(taken[part]);
             own[part].sub_product(&share, &coupling[part].transposed());
             coupling[part] = share.times(&beyond[part]).negated();
             write(&mut self.left, part, share.0);
@@ -318,7 +318,7 @@ impl<T: Number> Ring<T> {
         }
         let taken = from_right(simd, to_last, 1);
         for part in parts::<S>() {
-            own[part].subtract(&taken[part]);
+            own[part] = own[part].minus(taken[part]);
         }
         // Two calls with constant distances: vectors are then rotated within registers.
         let [first, second] = &mut self.rounds;
@@ -332,7 +332,7 @@ impl<T: Number> Ring<T> {
         let inverse = from_left(simd, inverse, WIDTH / 2);
         let across = from_left(simd, coupling, WIDTH / 2);
         for part in parts::<S>() {
-            let both = coupling[part].plus(&across[part].transposed());
+            let both = coupling[part].plus(across[part].transposed());
             let share = both.times_symmetric(&inverse[part]);
             own[part].sub_product(&share, &both.transposed());
             write(&mut self.opposite, part, share.0);

@@ -1,6 +1,6 @@
 //! Solution of the ring with its factors: substitution in the eight parts, and cyclic reduction of their last hinges.
 
-use super::super::blocks::{Block, Symmetric, Vector, from_left, from_right};
+use super::super::blocks::{Block, Registers, Symmetric, Vector, from_left, from_right};
 use super::{BASE, Ring, Round, gather};
 use crate::math::dense::Dense;
 use crate::math::simd::{
@@ -131,7 +131,8 @@ impl<T: Number> Ring<T> {
             let mut right = Vector::read(simd, &kept[0], part);
             for j in 0..last {
                 let place = &places[j];
-                to_last[part].add(&Block::read(simd, &place.before, part).transposed_of(&right));
+                let before = Block::read(simd, &place.before, part);
+                to_last[part] = to_last[part].plus(before.transposed_of(&right));
                 let next = Vector::read(simd, &kept[j + 1], part);
                 right = Block::read(simd, &place.next, part).transposed_less(&next, &right);
                 write(&mut kept[j + 1], part, right.0);
@@ -140,7 +141,7 @@ impl<T: Number> Ring<T> {
         }
         let taken = from_right(simd, to_last, 1);
         for part in parts::<S>() {
-            unknowns[part].subtract(&taken[part]);
+            unknowns[part] = unknowns[part].minus(taken[part]);
         }
         // Cyclic reduction of the eight remaining rows.
         let [first, second] = &self.rounds;
