@@ -156,20 +156,19 @@ impl Adams {
         &self.vectors.y[..self.vectors.dimension]
     }
 
-    /// Return whether the last evaluation of the last step was at its end. This is so for explicit steps: Newton's method evaluates before
-    /// each correction.
-    #[must_use]
-    pub fn ended_with_evaluation(&self) -> bool {
-        self.convergence.gamma == 0.0
-    }
-
-    /// Return γ \[s\] and the velocities of the last step's correction, where its last evaluation was made before it: at the predicted value
-    /// of a step with one unmeasured correction, which differs from [`Self::y`] by about the tolerance.
+    /// Return γ \[s\] and the velocities of the last step's last correction, which Newton's method makes after its last evaluation; `None` after
+    /// an explicit step, whose last evaluation was at its end.
     #[must_use]
     pub fn correction_after_evaluation(&self) -> Option<(f64, &[f64])> {
         let velocities = self.vectors.dimension / 2;
-        (self.convergence.unmeasured)
-            .then(|| (self.convergence.gamma, &self.vectors.residual[..velocities]))
+        let gamma = self.convergence.gamma;
+        (gamma > 0.0).then(|| (gamma, &self.vectors.residual[..velocities]))
+    }
+
+    /// Return whether the last step was one of Newton's method with a single correction.
+    #[must_use]
+    pub fn ended_with_first_correction(&self) -> bool {
+        self.convergence.unmeasured
     }
 
     /// Return the counts of work.

@@ -146,7 +146,7 @@ impl System for MechanismDynamics {
     }
 
     fn reach_step_end(&mut self, adams: &Adams, _step: &Step, peaks: bool) {
-        if peaks && !adams.ended_with_evaluation() {
+        if peaks && adams.correction_after_evaluation().is_some() {
             self.evaluate_step_end(adams);
         }
     }

@@ -63,39 +63,49 @@ impl Dynamics {
         }
     }
 
-    /// Return whether all forces and powers change by slopes: damped contacts of hinges and teeth alone.
-    fn has_all_slopes(&self) -> bool {
+    /// Return whether forces and powers change by slopes: damped contacts of hinges and teeth alone.
+    pub(super) fn has_all_slopes(&self) -> bool {
         let model = &self.model;
         !model.has_moments() && model.rollers.is_none() && model.ends.is_none()
     }
 
-    /// Change powers, and forces for `peaks`, of the last evaluation to those at the end of the last step, where energy is kept or peaks are
-    /// recorded.
+    /// Find the powers at the end of the last step, where energy is kept, and change the forces of the last evaluation to those at the end
+    /// where `peaks` are recorded.
     ///
-    /// A step of Newton's method with several corrections takes an evaluation: its slopes are those of the prediction, and the last correction
-    /// can change a force by several times its value.
+    /// Both follow from slopes of the last evaluation and the correction after it. After several corrections forces are evaluated: at loose
+    /// accuracies the last correction can change a force by several times its value. Powers are not, whose errors cancel in part.
     ///
     /// Call it after [`Self::finish_step`], which reads the contacts of the last evaluation. That stores new impact velocities: evaluations
     /// from here on use them, the forces of the step used the present rates.
     pub(super) fn reach_end_of_step(&mut self, adams: &Adams, step: &Step, peaks: bool) {
-        if adams.ended_with_evaluation() || (!self.keeps_energy && !peaks) {
-            return;
-        }
+        let (keeps, has_slopes) = (self.keeps_energy, self.has_all_slopes());
+        let correction = adams.correction_after_evaluation();
+        let forces_change = has_slopes && adams.ended_with_first_correction();
         let end = (step.end, adams.y());
-        match adams.correction_after_evaluation() {
-            Some(correction) if self.has_all_slopes() => {
-                self.correct_powers(end, correction, peaks);
+        match correction {
+            Some(correction) if has_slopes && (keeps || (peaks && forces_change)) => {
+                self.correct_powers(end, correction, peaks && forces_change);
             }
-            _ => {
-                if self.keeps_energy {
-                    self.quadrature.count_evaluation();
-                }
-                let rates = &mut self.slope[self.model.coordinates..];
-                let (model, memory, (t, y)) = (&self.model, &self.memory, end);
-                self.kernels.powers(model, memory, t, y, rates);
-                self.kernels.return_to_step_end();
+            Some(_) if keeps => {
+                self.quadrature.count_evaluation();
+                self.evaluate_end_of_step(end);
             }
+            _ => {}
         }
+        if keeps {
+            self.power_at_end = self.kernels.last_powers(&self.model, step.end);
+        }
+        let evaluated = correction.is_none() || (keeps && !has_slopes);
+        if peaks && !evaluated && !forces_change {
+            self.evaluate_end_of_step(end);
+        }
+    }
+
+    /// Evaluate forces and powers at the end of a step, (`t`, `y`).
+    fn evaluate_end_of_step(&mut self, (t, y): (f64, &[f64])) {
+        let rates = &mut self.slope[self.model.coordinates..];
+        (self.kernels).powers(&self.model, &self.memory, t, y, rates);
+        self.kernels.return_to_step_end();
     }
 
     /// Add the energies of the last step, while energy is kept. Call it last: it evaluates the right-hand side inside the step, so that the
@@ -108,8 +118,7 @@ impl Dynamics {
         let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
         // `rates` is scratch for the rates of bristles.
         let kernels = &mut self.kernels;
-        let at_end = kernels.last_powers(model, step.end);
-        (self.quadrature).add_step(step, at_end, |wanted, part, t| {
+        (self.quadrature).add_step(step, self.power_at_end, |wanted, part, t| {
             adams.write_cubic(part, y);
             let y = &y[..dimension];
             match wanted {

@@ -29,6 +29,14 @@ impl Dynamics {
         self.kernels.write_slopes(false);
     }
 
+    /// Write the accelerations at an iterate of Newton's method, and the slopes of all forces if they are wanted.
+    fn accelerate_iterate(&mut self, t: f64, y: &[f64], dydt: &mut [f64], with_slopes: bool) {
+        self.kernels.take_hinge_forces(true);
+        self.kernels.write_slopes(with_slopes);
+        self.accelerate(t, y, &mut dydt[self.model.coordinates..]);
+        self.kernels.write_slopes(false);
+    }
+
     /// Factorise the matrix of the last evaluation with slopes, M - γ dQ/dv - γ² dQ/dq, which may be indefinite.
     ///
     /// Return false for a singular matrix. There is no pivoting: corrections with a nearly singular matrix may be infinite.
@@ -48,17 +56,16 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn accelerations(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.kernels.take_hinge_forces(true);
-        self.accelerate(t, y, &mut dydt[self.model.coordinates..]);
+        // The powers at the end of a step follow from the slopes of its last evaluation.
+        let with_slopes = self.keeps_energy && self.has_all_slopes();
+        self.accelerate_iterate(t, y, dydt, with_slopes);
     }
 
     fn accelerations_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.make_room_for_newton();
         // Each attempt at a step begins with the same hinge forces, whatever a rejected one has found.
         self.kernels.return_to_step_end();
-        self.kernels.write_slopes(true);
-        self.accelerations(t, y, dydt);
-        self.kernels.write_slopes(false);
+        self.accelerate_iterate(t, y, dydt, true);
     }
 
     fn contraction_safety_factor(&self) -> f64 {

@@ -57,6 +57,8 @@ pub struct Dynamics {
     /// Kernels for reports, separate from those of the steps.
     reader: Box<ReportKernels>,
     keeps_energy: bool,
+    /// Powers at the end of the last step, where energy is kept.
+    power_at_end: Powers,
     quadrature: EnergyQuadrature<Powers>,
     inputs: Inputs,
     events: ContactEvents,
@@ -91,6 +93,7 @@ impl Dynamics {
             kernels: Kernels::new(&model),
             reader: Box::new(ReportKernels::new(&model)),
             keeps_energy: false,
+            power_at_end: Powers::default(),
             quadrature: EnergyQuadrature::new(),
             inputs: Inputs::new(&model),
             events: ContactEvents::new(&model),

@@ -250,12 +250,11 @@ fn what_is_set_is_what_is_in_use() {
 fn a_correction_after_the_last_evaluation_is_that_of_the_velocities() {
     let mut adams = Adams::new(5, by_component(1e-6));
     adams.vectors.residual[..5].copy_from_slice(&[1.0, 2.0, 3.0, 4.0, 5.0]);
-    assert!(adams.ended_with_evaluation());
-    // Several corrections: the last evaluation is before the last one, too.
-    adams.convergence.gamma = 0.25;
     assert!(adams.correction_after_evaluation().is_none());
+    adams.convergence.gamma = 0.25;
+    assert!(!adams.ended_with_first_correction());
     adams.convergence.unmeasured = true;
-    assert!(!adams.ended_with_evaluation());
+    assert!(adams.ended_with_first_correction());
     let (gamma, velocities) = adams.correction_after_evaluation().unwrap();
     assert_eq!((gamma, velocities), (0.25, &[1.0, 2.0][..]));
 }
