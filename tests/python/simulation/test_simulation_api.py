@@ -569,6 +569,48 @@ def test_the_work_put_in_is_torque_times_angle():
     assert abs(energy.residual).max() < 0.01 * largest
 
 
+def _loaded(links: int = 60, teeth: tuple[int, int] = (17, 25), **changes: object) -> rc.ChainDrive:
+    """Return a drive under 5 N m with another first sprocket."""
+    drive = rc.two_sprocket_drive("ANSI 40", teeth=teeth, links=links, speed=20.0, torque=-5.0)
+    first, second = drive.sprockets
+    return replace(drive, sprockets=(replace(first, **changes), second))
+
+
+WORKS = {
+    "60 links": _loaded,
+    "61 links": lambda: _loaded(61),
+    "9 links": lambda: _loaded(9, (5, 5)),
+    "eccentric": lambda: _loaded(eccentricity=2e-4),
+    "two motors": lambda: with_motions(
+        rc.PrescribedSpeed(20.0), rc.PrescribedSpeed(20.0 * 17 / 25), _loaded()
+    ),
+    "friction": _loaded,
+    "bristles": _loaded,
+    "ideal hinges": lambda: replace(_loaded(), hinges="ideal"),
+}
+WORKING_LAWS = {
+    "friction": rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)),
+    "bristles": rc.LankaraniNikravesh(friction=rc.LuGre(0.12, 0.1)),
+}
+
+
+@pytest.mark.parametrize("scene", WORKS)
+def test_work_of_external_powers_that_are_evaluated_alone_is_torque_times_angle(scene):
+    # Torques of rows are those of whole evaluations. 1e-7 to 9e-6 of the work that flows through.
+    simulation = rc.Simulation(
+        WORKS[scene](), rc.LankaraniNikravesh(), tooth_law=WORKING_LAWS.get(scene)
+    )
+    simulation.step_to(5e-3)
+    result = simulation.run(1.5e-3, 2e-7, record=("sprockets", "energy"), progress=False)
+    work, through = 0.0, 0.0
+    for number in (1, 2):
+        sprocket = result.sprocket(number)
+        gains = 0.5 * np.diff(sprocket.angle) * (sprocket.torque[1:] + sprocket.torque[:-1])
+        work, through = work + np.cumsum(gains), through + np.abs(gains).sum()
+    gained = result.energy.external_work[1:] - result.energy.external_work[0]
+    np.testing.assert_allclose(gained, work, rtol=0.0, atol=3e-5 * through)
+
+
 def test_the_balance_does_not_depend_on_when_it_begins():
     """A balance begun in the middle of a run gains what one kept from the start gains."""
     whole = rc.Simulation(rc.paper_drive(25.0)).run(END, 1e-4, record="energy", progress=False)
