@@ -25,8 +25,8 @@ pub(super) struct Predicted<P> {
 }
 
 impl<P: PowerSum> Predicted<P> {
-    /// Predict powers with errors of at most `accepted`, of dissipated and external power \[W\]; the nodes are places in parts of the step, and powers. Without the one that is
-    /// farthest away, a parabola is left.
+    /// Predict powers with errors of at most `accepted`, of dissipated and external power \[W\]. The nodes are places in parts of the step, and
+    /// powers. Without the one that is farthest away, a parabola is left.
     pub(super) fn new(
         one: (f64, P),
         other: (f64, P),
