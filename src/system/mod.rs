@@ -115,7 +115,7 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     fn resume_metering(&mut self, _adams: &Adams) {}
 
     /// Change the forces of the last evaluation, and the powers, to those at the end of the last step, where `peaks` are recorded or the
-    /// energy quadrature is on. The evaluation that this may need does not depend on which of both it is for: they have the same bits alone.
+    /// energy quadrature is on. The powers have the same bits with and without peaks.
     fn reach_step_end(&mut self, _adams: &Adams, _step: &Step, _peaks: bool) {}
 
     /// Add the energies of the last step, if the energy quadrature is on.

@@ -1,6 +1,6 @@
 //! Change of the forces and powers of the contacts, and of the loads on the sprockets, with the last correction.
 //!
-//! A step of Newton's method with one correction has its last evaluation at the prediction. A correction Δv changes the penetration rate of a
+//! A step of Newton's method has its last evaluation before its last correction. This correction Δv changes the penetration rate of a
 //! contact by n·Δv, with the relative velocity of its two points, and its penetration by γ n·Δv. Slopes of force and power are those of
 //! the evaluation: forces are of first order, powers of second order in Δv. The turn of the normals is left out, as in the matrix.
 
@@ -66,9 +66,8 @@ impl<T: Number> Factors<T> {
 }
 
 /// Kernel: return the changes of the powers of hinges and teeth \[W\] with the last correction; add those of the forces of hinges and teeth,
-/// and of the loads on the sprockets. The corrections of the links' ends must be written, and the matrix must
-/// still be that of the last evaluation, without friction and rollers. Without `FORCES`, forces stay, and of the loads only the moments
-/// change: the powers need no more.
+/// and of the loads on the sprockets. The corrections of the links' ends must be written, and the slopes must be those of the last
+/// evaluation, without friction and rollers. Without `FORCES`, forces stay, and of the loads only the moments change: the powers need no more.
 pub(crate) struct PowerChange<'a, const FORCES: bool> {
     pub(crate) matrix: &'a mut NewtonMatrix,
     pub(crate) links: usize,
