@@ -71,28 +71,31 @@ pub(crate) fn sprocket_acceleration(
     (center, angle)
 }
 
-/// Return the power dissipated in a sprocket's dashpots, and the external power of its motor, applied torque and tensioner \[W\].
+/// Return the power dissipated in a sprocket's dashpots, and the external power of its motor, applied torque and tensioner \[W\]. `speeds`
+/// are the rates of all coordinates, and `prescribed` is the angular velocity where it is prescribed.
 ///
 /// A sprocket with prescribed speed is a support: its own kinetic energy is not part of the balance. Its external work is here the work of
 /// its teeth on the chain; reports add the change of that energy.
 pub(crate) fn outside_powers(
     sprocket: &SprocketModel,
-    moves: &SprocketKinematics,
     chain: &SprocketLoad,
+    (speeds, prescribed): (&[f64], f64),
     t: f64,
 ) -> [f64; 2] {
-    let spin = moves.spin;
     let mut dissipated = 0.0;
     let mut external = match &sprocket.rotation {
-        Rotation::Prescribed(_) => -chain.moment * spin,
-        Rotation::Free { .. } => sprocket.applied_torque(t, spin) * spin,
+        Rotation::Prescribed(_) => -chain.moment * prescribed,
+        Rotation::Free { index, .. } => {
+            let spin = speeds[*index];
+            if let Some(swing) = sprocket.swing {
+                dissipated += swing.dashpot(spin) * spin * spin;
+            }
+            sprocket.applied_torque(t, spin) * spin
+        }
     };
-    if let Some(swing) = sprocket.swing {
-        dissipated += swing.dashpot(spin) * spin * spin;
-    }
-    if let Support::Slide { guide, .. } = sprocket.support {
-        let (_, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
-        let speed = moves.velocity.dot(&tangent);
+    if let Support::Slide { index, guide, .. } = sprocket.support {
+        // Along the path of the slide.
+        let speed = speeds[index];
         external += sprocket.pull(t) * speed;
         dissipated += guide.dashpot(speed) * speed * speed;
     }

@@ -37,28 +37,6 @@ impl Losses {
             self.hinge_film,
         ]
     }
-
-    /// Create losses from values in the order of the fields.
-    fn of_values(values: [f64; 7]) -> Self {
-        let [
-            hinge_contact,
-            tooth_contact,
-            hinge_friction,
-            tooth_friction,
-            roller_contact,
-            roller_friction,
-            hinge_film,
-        ] = values;
-        Self {
-            hinge_contact,
-            tooth_contact,
-            hinge_friction,
-            tooth_friction,
-            roller_contact,
-            roller_friction,
-            hinge_film,
-        }
-    }
 }
 
 /// Power dissipated in contacts and dashpots, and external power \[W\], or their integrals over time \[J\].
@@ -89,13 +67,25 @@ impl Powers {
 
 impl PowerSum for Powers {
     fn add_scaled(&mut self, factor: f64, other: &Self) {
-        self.dissipated += factor * other.dissipated;
-        self.external_work += factor * other.external_work;
-        let (mut losses, others) = (self.losses.values(), other.losses.values());
-        for (loss, other) in losses.iter_mut().zip(others) {
-            *loss += factor * other;
+        *self = Self::combined([(1.0, &*self), (factor, other)]);
+    }
+
+    /// Each sum stays in a register.
+    fn combined<const N: usize>(terms: [(f64, &Self); N]) -> Self {
+        let sum = |of: fn(&Self) -> f64| terms.iter().fold(0.0, |sum, (f, p)| sum + f * of(p));
+        Self {
+            dissipated: sum(|p| p.dissipated),
+            external_work: sum(|p| p.external_work),
+            losses: Losses {
+                hinge_contact: sum(|p| p.losses.hinge_contact),
+                tooth_contact: sum(|p| p.losses.tooth_contact),
+                hinge_friction: sum(|p| p.losses.hinge_friction),
+                tooth_friction: sum(|p| p.losses.tooth_friction),
+                roller_contact: sum(|p| p.losses.roller_contact),
+                roller_friction: sum(|p| p.losses.roller_friction),
+                hinge_film: sum(|p| p.losses.hinge_film),
+            },
         }
-        self.losses = Losses::of_values(losses);
     }
 
     fn totals(&self) -> [f64; 2] {

@@ -118,6 +118,7 @@ impl Signal {
     #[must_use]
     pub fn value(&self, t: f64) -> f64 {
         match self {
+            Self::Constant(value) => *value,
             Self::Table(table) => table.value(t),
             _ => self.derivatives(t)[0],
         }

@@ -29,6 +29,16 @@ pub trait PowerSum: Copy + Debug + Default + PartialEq + Serialize + Deserialize
     /// Add `factor` times all values of `other`.
     fn add_scaled(&mut self, factor: f64, other: &Self);
 
+    /// Return the sum of values times their factors.
+    #[must_use]
+    fn combined<const N: usize>(terms: [(f64, &Self); N]) -> Self {
+        let mut sum = Self::default();
+        for (factor, values) in terms {
+            sum.add_scaled(factor, values);
+        }
+        sum
+    }
+
     /// Return the dissipated part and the external work.
     fn totals(&self) -> [f64; 2];
 

@@ -150,16 +150,16 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             powers_at(wanted, part, step.start + part * length)
         };
         // Powers before the step, at their places in parts of this step.
-        let place = |(t, powers)| ((t - step.start) / length, powers);
         let last_start = (self.start < self.end).then(|| (self.start, self.powers[0]));
-        let before = last_start.map(place);
-        let other = self.interpolation.other.map(place);
+        let before = (last_start.as_ref()).map(|(t, powers)| ((t - step.start) / length, powers));
+        let other = (self.interpolation.other.as_ref())
+            .map(|(t, powers)| ((t - step.start) / length, powers));
         let scale = decisive(&at_start).max(decisive(&at_end)).max(mean_power);
         let near = interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
         let near = [PREDICTED_SHARE * near, near];
         let predicted = match (other, before) {
             (Some(other), Some(before)) if self.fineness == 0 => {
-                let nodes = [(0.0, at_start), (1.0, at_end)];
+                let nodes = [(0.0, &at_start), (1.0, &at_end)];
                 Predicted::new(other, before, nodes, near)
             }
             _ => Predicted::default(),
@@ -258,6 +258,9 @@ fn decisive<P: PowerSum>(power: &P) -> f64 {
 
 /// Return the mean of powers at equal distances by Simpson's rule.
 fn simpson_mean<P: PowerSum>(powers: &[P]) -> P {
+    if let [start, middle, end] = powers {
+        return P::combined([(1.0 / 6.0, start), (4.0 / 6.0, middle), (1.0 / 6.0, end)]);
+    }
     let (last, mut sum) = (powers.len() - 1, P::default());
     for (i, power) in powers.iter().enumerate() {
         let weight = match i {
@@ -283,11 +286,7 @@ fn parabola<P: PowerSum>(powers: [P; 3], place: f64) -> P {
         4.0 * place * (1.0 - place),
         place * (2.0 * place - 1.0),
     ];
-    let mut sum = P::default();
-    for (weight, powers) in weights.into_iter().zip(powers) {
-        sum.add_scaled(weight, &powers);
-    }
-    sum
+    P::combined([0, 1, 2].map(|i| (weights[i], &powers[i])))
 }
 
 /// Return the error of Simpson's rule in half a step, over the length of the step, of dissipated and external power. It follows from the
@@ -295,9 +294,9 @@ fn parabola<P: PowerSum>(powers: [P; 3], place: f64) -> P {
 ///
 /// The cubic through all four powers differs from the parabola of Simpson's rule by c x (x - 1/2) (x - 1). Its integral over the first half
 /// of the step is c/64, and that over the second half is -c/64. The rule is wrong by as much where c is not the same in both halves.
-fn error_of_half<P: PowerSum>(powers: [P; 3], (place, before): (f64, P)) -> [f64; 2] {
+fn error_of_half<P: PowerSum>(powers: [P; 3], (place, before): (f64, &P)) -> [f64; 2] {
     let length = 64.0 * place * (place - 0.5) * (place - 1.0);
-    difference(&before, &parabola(powers, place)).map(|difference| difference / length)
+    difference(before, &parabola(powers, place)).map(|difference| difference / length)
 }
 
 #[cfg(test)]

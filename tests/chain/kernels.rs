@@ -240,7 +240,7 @@ fn slope(choice: &Choice, set: InstructionSet) -> Vec<f64> {
     dynamics.use_instructions(set);
     let mut dydt = vec![0.0; scene.dimension()];
     dynamics.derivative(choice.time, &scene.y(), &mut dydt);
-    let powers = dynamics.powers(choice.time);
+    let powers = dynamics.powers(choice.time, &scene.y());
     dydt.extend([powers.dissipated, powers.external_work]);
     dydt
 }

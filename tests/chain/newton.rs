@@ -138,7 +138,7 @@ fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 
     let nq = dynamics.coordinates();
     let mut slope = vec![0.0; y.len()];
     dynamics.accelerations_with_slopes(t, &y, &mut slope);
-    let before = dynamics.powers(t);
+    let before = dynamics.powers(t, &y);
     let forces = |dynamics: &Dynamics| -> Vec<f64> {
         let hinges = dynamics.hinge_contacts().map(|(_, force)| force);
         let teeth = dynamics.candidates().map(|(.., force)| force);
@@ -154,11 +154,12 @@ fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 
         corrected[nq + i] += velocity;
     }
     let mut without_forces = dynamics.clone();
-    without_forces.correct_powers((t, &corrected), (gamma, &correction), false);
-    dynamics.correct_powers((t, &corrected), (gamma, &correction), true);
-    assert_eq!(without_forces.powers(t), dynamics.powers(t));
+    without_forces.correct_powers((gamma, &correction), false);
+    dynamics.correct_powers((gamma, &correction), true);
+    let found = dynamics.powers(t, &corrected);
+    assert_eq!(without_forces.powers(t, &corrected), found);
     assert_eq!(forces(&without_forces), forces_before);
-    let (found, forces_found) = (dynamics.powers(t), forces(&dynamics));
+    let forces_found = forces(&dynamics);
     let exact = dynamics.evaluate(t, &corrected);
     dynamics.accelerations(t, &corrected, &mut slope);
     let forces_exact = forces(&dynamics);

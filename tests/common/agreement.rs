@@ -129,7 +129,7 @@ fn external_power_needs_no_other_results(dynamics: &Dynamics, t: f64, y: &[f64])
     }
     alone.derivative(t + 1e-7, &beside, &mut vec![0.0; y.len()]);
     let found = alone.external_power(t, y);
-    let expected = dynamics.powers(t).external_work;
+    let expected = dynamics.powers(t, y).external_work;
     // With another candidate list, forces are added in another order.
     let rounding = 1e-12 * expected.abs();
     assert!(
@@ -142,7 +142,7 @@ fn external_power_needs_no_other_results(dynamics: &Dynamics, t: f64, y: &[f64])
 pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
     let mut dydt = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut dydt);
-    let found = dynamics.powers(t).losses.values();
+    let found = dynamics.powers(t, y).losses.values();
     external_power_needs_no_other_results(dynamics, t, y);
     let reference = Reference::of(dynamics, t, y);
     dynamics.evaluate(t, y);

@@ -53,7 +53,7 @@ pub fn kernels_beside_reference(
         dynamics.keep_energy(true);
         let mut slope = vec![0.0; y.len()];
         dynamics.derivative(*t, y, &mut slope);
-        let losses = dynamics.powers(*t).losses;
+        let losses = dynamics.powers(*t, y).losses;
         let reference = Reference::of(&dynamics, *t, y);
         let model = dynamics.model().clone();
         let (n, rates) = (model.links, &slope[model.coordinates..]);

@@ -61,7 +61,7 @@ impl DriveSystem {
             energy_at_start,
             metered,
             passed: Powers::default(),
-            last_powers: dynamics.powers(0.0),
+            last_powers: dynamics.powers(0.0, &y),
             slope,
             inside: y.clone(),
             start: y,
@@ -106,7 +106,7 @@ impl DriveSystem {
                 let t = step.start + width * (panel as f64 + point);
                 step.at(t, &mut self.inside);
                 self.dynamics.derivative(t, &self.inside, &mut self.slope);
-                self.last_powers = self.dynamics.powers(t);
+                self.last_powers = self.dynamics.powers(t, &self.inside);
                 sum.add_scaled(*weight, &self.last_powers);
             }
             self.passed.add_scaled(width, &sum);

@@ -116,8 +116,7 @@ class _ContactForceAbove(StopCondition):
 class HingeForceAbove(_ContactForceAbove):
     """The force of a hinge has exceeded a limit since the row before.
 
-    It is compared with the peaks of `Result.peaks`, the forces at the ends of all steps. Those of
-    ideal hinges are of the last corrections of the steps, which may be larger.
+    It is compared with the peaks of `Result.peaks`, the forces at the ends of all steps.
 
     Attributes
     ----------

@@ -14,6 +14,7 @@ from rustchain.names import nearest_name, suggest
 # Of the many last names of fields, some are like any word: friction is to direction as 0.71.
 _LIKENESS_OF_FIELDS = 0.75
 _LIKENESS_OF_PARTS = 0.6  # body and bodies
+_PARTS = 100  # in which the field of another part is looked for
 _NUMBER = re.compile(r"(?<=\.)\d+(?=[.']|$)")
 
 
@@ -32,7 +33,7 @@ def nearest(name: str, known: Sequence[str], why: Callable[[str], str | None]) -
     """Return which of the `known` names an unknown one may mean, with its own numbers.
 
     Each part of it is compared with the fields that exist at its place. A name that `why` gives a
-    reason against is not proposed; the reason against `name` itself is then returned.
+    reason against is not proposed, but the same field of another part, or the reason is returned.
     """
     if re.search(r"\[\d+\]", name):
         dotted = re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) + 1}", name)
@@ -40,7 +41,11 @@ def nearest(name: str, known: Sequence[str], why: Callable[[str], str | None]) -
     meant = _meant(name, known)
     if isinstance(meant, list):
         return (any(map(why, meant)) and why(name)) or suggest(None, meant)
-    return (why(meant) and why(name)) or f"did you mean {meant!r}?"
+    if why(meant) is None:
+        return f"did you mean {meant!r}?"
+    others = (meant.replace(".1.", f".{number}.", 1) for number in range(2, _PARTS))
+    other = next((each for each in others if each != meant and why(each) is None), None)
+    return why(name) or (f"did you mean {other!r}?" if other else why(meant)) or ""
 
 
 def _meant(name: str, known: Sequence[str]) -> str | list[str]:

@@ -44,12 +44,7 @@ impl Dynamics {
 
     /// Write the force of every hinge that rows have, at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_hinge_forces(&self, forces: &mut [f64]) {
-        for (to, force) in forces
-            .iter_mut()
-            .zip(self.kernels.hinge_forces(&self.model))
-        {
-            *to = force;
-        }
+        self.kernels.write_hinge_forces(&self.model, forces);
     }
 
     /// Write the normal force of every bushing in its roller at the last evaluation of the right-hand side \[N\].

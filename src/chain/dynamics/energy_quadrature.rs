@@ -17,7 +17,7 @@ impl Dynamics {
         self.keep_energy(true);
         let end = adams.time();
         self.differentiate(end, adams.y());
-        let at_end = self.powers(end);
+        let at_end = self.powers(end, adams.y());
         self.quadrature.begin(end, at_end);
         if now >= end {
             return;
@@ -46,20 +46,15 @@ impl Dynamics {
         }
     }
 
-    /// Change the powers of the last evaluation, which wrote slopes, and the `forces` if wanted, to those at (`t`, `y`). `y` is the evaluated
-    /// state after the last correction of the velocities with γ.
-    pub fn correct_powers(
-        &mut self,
-        end: (f64, &[f64]),
-        (gamma, correction): (f64, &[f64]),
-        forces: bool,
-    ) {
+    /// Change the powers of the last evaluation, which wrote slopes, and the `forces` if wanted, to those after the last correction of the
+    /// velocities with γ.
+    pub fn correct_powers(&mut self, (gamma, correction): (f64, &[f64]), forces: bool) {
         let border = &correction[3 * self.model.links..self.model.body_coordinates()];
         let (kernels, model, correction) = (&mut self.kernels, &self.model, (gamma, border));
         if forces {
-            kernels.correct_powers::<true>(model, end, correction);
+            kernels.correct_powers::<true>(model, correction);
         } else {
-            kernels.correct_powers::<false>(model, end, correction);
+            kernels.correct_powers::<false>(model, correction);
         }
     }
 
@@ -80,29 +75,36 @@ impl Dynamics {
     pub(super) fn reach_end_of_step(&mut self, adams: &Adams, step: &Step, peaks: bool) {
         let (keeps, has_slopes) = (self.keeps_energy, self.has_all_slopes());
         let correction = adams.correction_after_evaluation();
-        let forces_change = has_slopes && adams.ended_with_first_correction();
+        let first_is_last = adams.ended_with_first_correction();
+        let forces_change = has_slopes && first_is_last;
         let end = (step.end, adams.y());
         match correction {
             Some(correction) if has_slopes && (keeps || (peaks && forces_change)) => {
-                self.correct_powers(end, correction, peaks && forces_change);
+                self.correct_powers(correction, peaks && forces_change);
             }
             Some(_) if keeps => {
                 self.quadrature.count_evaluation();
-                self.evaluate_end_of_step(end);
+                self.evaluate_end_of_step(end, peaks && !first_is_last);
             }
             _ => {}
         }
         if keeps {
-            self.power_at_end = self.kernels.last_powers(&self.model, step.end);
+            self.power_at_end = self.kernels.last_powers(&self.model, step.end, adams.y());
         }
         let evaluated = correction.is_none() || (keeps && !has_slopes);
         if peaks && !evaluated && !forces_change {
-            self.evaluate_end_of_step(end);
+            self.evaluate_end_of_step(end, !first_is_last);
         }
     }
 
-    /// Evaluate forces and powers at the end of a step, (`t`, `y`).
-    fn evaluate_end_of_step(&mut self, (t, y): (f64, &[f64])) {
+    /// Evaluate forces and powers at the end of a step, (`t`, `y`). Forces of ideal hinges stay those of the last correction, unless they are to
+    /// be solved for.
+    fn evaluate_end_of_step(&mut self, (t, y): (f64, &[f64]), solves: bool) {
+        if solves && self.model.hinges.ideal {
+            // They follow from the accelerations. The next step begins with those of the last correction all the same.
+            self.differentiate(t, y);
+            return;
+        }
         let rates = &mut self.slope[self.model.coordinates..];
         (self.kernels).powers(&self.model, &self.memory, t, y, rates);
         self.kernels.return_to_step_end();

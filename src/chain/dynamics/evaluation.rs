@@ -82,7 +82,7 @@ impl Dynamics {
         kernels.candidates.invalidate();
         kernels.keep_powers(self.keeps_energy);
         kernels.evaluate_placed(model, memory, place, state, accelerations);
-        let powers = (self.keeps_energy).then(|| kernels.last_powers(model, t));
+        let powers = (self.keeps_energy).then(|| kernels.last_powers(model, t, state));
         self.evaluated.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
         self.evaluated
             .accelerations

@@ -122,10 +122,10 @@ impl Dynamics {
         self.keeps_energy = keep;
     }
 
-    /// Return the powers at the last evaluation of the right-hand side, which was at `t` and with energy metering.
+    /// Return the powers at (`t`, `y`) after an evaluation of the right-hand side there, with energy metering.
     #[must_use]
-    pub fn powers(&self, t: f64) -> Powers {
-        self.kernels.last_powers(&self.model, t)
+    pub fn powers(&self, t: f64, y: &[f64]) -> Powers {
+        self.kernels.last_powers(&self.model, t, y)
     }
 
     /// Return the external power at (`t`, `y`) \[W\], evaluated alone. Forces of contacts are then not those of an evaluation.

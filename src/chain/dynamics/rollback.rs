@@ -41,7 +41,7 @@ impl Dynamics {
         self.begin_screening(t, y);
         self.kernels.end_step();
         if self.keeps_energy {
-            self.quadrature.begin(t, self.powers(t));
+            self.quadrature.begin(t, self.powers(t, y));
         }
     }
 

@@ -58,6 +58,22 @@ impl Kernels {
         })
     }
 
+    /// Write the forces that [`Self::hinge_forces`] returns.
+    pub(crate) fn write_hinge_forces(&self, model: &Model, forces: &mut [f64]) {
+        if self.ideal.is_some() {
+            for (to, force) in forces.iter_mut().zip(self.hinge_forces(model)) {
+                *to = force;
+            }
+        } else {
+            let from = if model.hinges.film.is_some() {
+                &self.chain.lubricated_force
+            } else {
+                &self.chain.force
+            };
+            forces.copy_from_slice(&from[..model.links]);
+        }
+    }
+
     /// Return the normal force of each hinge at the last evaluation, or the force of each ideal one \[N\].
     pub(crate) fn normal_hinge_forces(&self, model: &Model) -> impl Iterator<Item = f64> {
         (0..model.links).map(|k| match &self.ideal {

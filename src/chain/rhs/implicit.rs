@@ -50,12 +50,11 @@ impl Kernels {
         }
     }
 
-    /// Change losses of the last evaluation, motions of the sprockets and moments on them, and with `FORCES` forces and loads, to those at
-    /// (`t`, `y`). There `y` is the evaluated state after a correction with γ, whose part on the border is `border`.
+    /// Change losses of the last evaluation and moments on the sprockets, and with `FORCES` forces and loads, to those after a correction
+    /// with γ, whose part on the border is `border`.
     pub(crate) fn correct_powers<const FORCES: bool>(
         &mut self,
         model: &Model,
-        (t, y): (f64, &[f64]),
         (gamma, border): (f64, &[f64]),
     ) {
         if let Some(newton) = &mut self.newton {
@@ -75,7 +74,6 @@ impl Kernels {
             self.losses.hinge_contact += hinges;
             self.losses.tooth_contact += teeth;
         }
-        self.place_sprockets(model, t, y);
     }
 
     /// Overwrite a residual of the velocities with the correction, the solution with the last matrix.

@@ -193,7 +193,7 @@ impl Kernels {
         let writes_gaps = self.write_gaps(false);
         self.evaluate_forces(model, memory, y, bristle_rates);
         self.write_gaps(writes_gaps);
-        self.last_powers(model, t)
+        self.last_powers(model, t, y)
     }
 
     /// Return the external power at (`t`, `y`), inside a step whose last evaluation was of all contacts. `bristle_rates` as for
@@ -223,7 +223,7 @@ impl Kernels {
             }
         }
         self.write_gaps(writes_gaps);
-        self.last_powers(model, t).external_work
+        self.last_powers(model, t, y).external_work
     }
 
     /// Evaluate the forces of all contacts at `y`, and the losses where powers are kept.
@@ -238,15 +238,17 @@ impl Kernels {
         self.evaluate_all_teeth(model, memory, (y, moved_squared), bristle_rates);
     }
 
-    /// Return all powers at the last evaluation, which was at `t` and kept powers: those of the contacts, and those of moving ends, motors,
-    /// applied torques, tensioners and dashpots.
-    pub(crate) fn last_powers(&self, model: &Model, t: f64) -> Powers {
+    /// Return all powers at (`t`, `y`): those of the contacts at the last evaluation, at the same time and with powers, and those of moving
+    /// ends, motors, applied torques, tensioners and dashpots.
+    pub(crate) fn last_powers(&self, model: &Model, t: f64, y: &[f64]) -> Powers {
         let mut powers = Powers::of(self.losses);
         if let Some(ends) = &model.ends {
             powers.external_work += ends.external_work(self.on_ends(ends), t);
         }
+        let speeds = &y[model.coordinates..];
         for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads) {
-            let [dissipated, external] = outside_powers(sprocket, &pose.kinematics(), load, t);
+            let speeds = (speeds, pose.spin);
+            let [dissipated, external] = outside_powers(sprocket, load, speeds, t);
             powers.dissipated += dissipated;
             powers.external_work += external;
         }

@@ -28,9 +28,9 @@ impl<P: PowerSum> Predicted<P> {
     /// Predict powers with errors of at most `accepted`, of dissipated and external power \[W\]. The nodes are places in parts of the step, and
     /// powers. Without the one that is farthest away, a parabola is left.
     pub(super) fn new(
-        one: (f64, P),
-        other: (f64, P),
-        ends: [(f64, P); 2],
+        one: (f64, &P),
+        other: (f64, &P),
+        ends: [(f64, &P); 2],
         accepted: [f64; 2],
     ) -> Self {
         let nodes = if one.0 < other.0 {
@@ -38,10 +38,9 @@ impl<P: PowerSum> Predicted<P> {
         } else {
             [other, one, ends[0], ends[1]]
         };
-        let mut powers = P::default();
+        let weights = weights_in_the_middle(nodes.map(|(place, _)| place));
         let mut error = [0.0; 2];
-        for (weight, (place, node)) in weights_in_the_middle(&nodes).into_iter().zip(&nodes) {
-            powers.add_scaled(weight, node);
+        for (weight, (place, node)) in weights.into_iter().zip(nodes) {
             // The cubic differs from the parabola by f[x0, x1, x2, x3] (x - x1) (x - x2) (x - x3). In this, the weight of node i is that in
             // the cubic times (x - xi)/(x - x0).
             let share = weight * (0.5 - place) / (0.5 - nodes[0].0);
@@ -50,7 +49,7 @@ impl<P: PowerSum> Predicted<P> {
             }
         }
         Self {
-            powers,
+            powers: P::combined([0, 1, 2, 3].map(|i| (weights[i], nodes[i].1))),
             is_accurate: [0, 1].map(|i| error[i].abs() <= accepted[i]),
         }
     }
@@ -118,13 +117,13 @@ pub(super) fn is_below(errors: [f64; 2], accepted: f64) -> bool {
 }
 
 /// Return the weights of powers at places in parts of a step in Lagrange's polynomial, in the middle of the step.
-fn weights_in_the_middle<P>(nodes: &[(f64, P); 4]) -> [f64; 4] {
+fn weights_in_the_middle(places: [f64; 4]) -> [f64; 4] {
     let mut weights = [1.0; 4];
     for (i, weight) in weights.iter_mut().enumerate() {
         let (mut above, mut below) = (1.0, 1.0);
         for j in (0..4).filter(|&j| j != i) {
-            above *= 0.5 - nodes[j].0;
-            below *= nodes[i].0 - nodes[j].0;
+            above *= 0.5 - places[j];
+            below *= places[i] - places[j];
         }
         *weight = above / below;
     }

@@ -32,6 +32,9 @@ SCENES: dict[str, Callable[[], rc.Simulation]] = {
     # Most of these steps take several corrections. The last one changes a force by up to its half.
     "bushings, 1e-7 m": lambda: rc.Simulation(drive(), solver=newton(1e-7)),
     "bushings, 1e-8 m": lambda: rc.Simulation(drive(), solver=newton(1e-8)),
+    "ideal hinges, 3e-8 m": lambda: rc.Simulation(
+        replace(drive(), hinges="ideal"), solver=newton(3e-8)
+    ),
     "rollers, 1e-8 m": lambda: rc.Simulation(drive(rollers="bodies"), solver=newton(1e-8)),
     "film, 1e-7 m": lambda: rc.Simulation(
         drive(), hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1)), solver=newton(1e-7)

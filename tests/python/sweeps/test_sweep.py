@@ -331,11 +331,19 @@ def test_an_unknown_axis_is_refused_at_once_with_the_nearest_name(name, said):
         ("ends.1.1", "drive.ends.1: cannot be changed, for drive.ends is None"),
         ("sprockets.2.speed", "drive.sprockets.2.speed: does not exist; known: .*'motion'"),
         ("guides.1.1", "drive.guides.1: does not exist, for drive.guides is empty"),
+        ("torque", "drive.sprockets.1.motion.torque: does not exist; known: 'speed'"),
     ],
 )
 def test_no_name_is_proposed_that_the_drive_does_not_have(name, said):
     with pytest.raises(rc.InvalidInput, match=rf"{name!r} is no parameter; {said}"):
         rc.sweep(PAPER, {name: [1]})
+
+
+def test_the_field_of_a_part_that_has_it_is_proposed():
+    second = replace(PAPER.sprockets[1], motion=rc.AppliedTorque(torque=-1.0))
+    drive = replace(PAPER, sprockets=[PAPER.sprockets[0], second])
+    with pytest.raises(rc.InvalidInput, match=r"did you mean 'sprockets\.2\.motion\.torque'"):
+        rc.sweep(drive, {"torque": [1]})
 
 
 def test_the_fields_of_an_end_are_those_of_its_kind():
