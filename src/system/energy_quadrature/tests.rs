@@ -209,7 +209,9 @@ fn powers_are_interpolated_where_dissipated_and_external_ones_are_smooth() {
         })
     };
     let predicted = |dissipated: f64, external: f64, accepted: f64| {
-        let [earlier, before, start, end] = nodes(dissipated, external);
+        let nodes = nodes(dissipated, external);
+        let [earlier, before, start, end] =
+            nodes.each_ref().map(|(place, powers)| (*place, powers));
         let found = Predicted::new(earlier, before, [start, end], [accepted; 2]);
         let exchanged = Predicted::new(before, earlier, [start, end], [accepted; 2]);
         assert_eq!(found.powers, exchanged.powers);
@@ -299,7 +301,7 @@ fn the_error_of_half_a_step_is_that_of_a_cubic() {
     // Where the power begins has no effect.
     let power = |x: f64| Both(5.0 + x.powi(3), 2.0 * (5.0 + x.powi(3)));
     for place in [-0.3, -1.0, -2.5] {
-        let error = error_of_half([0.0, 0.5, 1.0].map(power), (place, power(place)));
+        let error = error_of_half([0.0, 0.5, 1.0].map(power), (place, &power(place)));
         assert!(
             (64.0 * error[0] - 1.0).abs() < 1e-12,
             "{place}: {}",
