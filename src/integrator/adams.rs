@@ -219,11 +219,17 @@ impl Adams {
     ///
     /// # Errors
     /// When half of the tolerance is below the rounding of the solution.
+    #[inline]
     pub(super) fn check_tolerances(&self, controlled: usize) -> Result<(), StepFailure> {
         let due = (self.counts.steps).is_multiple_of(STEPS_PER_TOLERANCE_CHECK);
-        if !self.starting && !due {
-            return Ok(());
+        if self.starting || due {
+            self.compare_with_rounding(controlled)
+        } else {
+            Ok(())
         }
+    }
+
+    fn compare_with_rounding(&self, controlled: usize) -> Result<(), StepFailure> {
         let (y, weights) = (&self.vectors.y, &self.norm.inverse_weight);
         let rounding = ROUNDING * self.norm_of(y);
         let size = |i: usize| (y[i] * weights[i]).abs();

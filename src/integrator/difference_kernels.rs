@@ -4,7 +4,10 @@ use pulp::{Simd, WithSimd};
 
 use super::StepControl;
 use super::coefficients::Coefficients;
+use super::differences::Differences;
 use super::slice_lanes::{At, SliceLanes, SliceLanesMut, each_vector, vector_count};
+use super::vectors::Vectors;
+use super::weights::ErrorNorm;
 use crate::math::simd::{Lanes, Squares, load, vectors, vectors_mut};
 
 /// Return the number of SIMD vectors for `dimension` numbers, the last one padded.
@@ -14,23 +17,16 @@ fn blocks<S: Simd>(dimension: usize) -> usize {
 }
 
 /// Run `$each` for each of `$blocks` vectors, with alternating parts of a sum, constants in the unrolled loop.
-///
-/// Small systems have one vector and no loop.
 macro_rules! each_block {
     ($simd:ty, $blocks:expr, |$part:ident, $block:ident| $each:expr) => {
-        if $blocks == 1 {
-            let ($part, $block) = (0, 0);
-            $each;
-        } else {
-            let parts = Squares::<$simd>::PARTS;
-            for group in (0..$blocks).step_by(parts) {
-                for $part in 0..parts {
-                    let $block = group + $part;
-                    if $block >= $blocks {
-                        break;
-                    }
-                    $each;
+        let parts = Squares::<$simd>::PARTS;
+        for group in (0..$blocks).step_by(parts) {
+            for $part in 0..parts {
+                let $block = group + $part;
+                if $block >= $blocks {
+                    break;
                 }
+                $each;
             }
         }
     };
@@ -75,11 +71,10 @@ pub(super) struct Predict<'a> {
     /// Index of the newest difference, whose addition is deferred; zero for none.
     pub(super) newest: usize,
     pub(super) step: f64,
-    pub(super) dimension: usize,
     pub(super) table: &'a mut [f64],
-    /// Without y the increment is written, for compensated summation.
-    pub(super) y: Option<&'a [f64]>,
-    pub(super) predicted: &'a mut [f64],
+    pub(super) vectors: &'a mut Vectors,
+    /// Write the increment without y, for compensated summation.
+    pub(super) increment_only: bool,
 }
 
 impl WithSimd for Predict<'_> {
@@ -97,12 +92,13 @@ impl WithSimd for Predict<'_> {
             beta: &c.beta[..self.order],
             g: &c.g[..self.order],
             newest: self.newest,
-            rows: DifferenceRows::<S>::new(simd, self.table, self.predicted.len()),
+            rows: DifferenceRows::<S>::new(simd, self.table, self.vectors.predicted.len()),
         };
-        let blocks = blocks::<S>(self.dimension);
+        let all = self.vectors;
+        let blocks = blocks::<S>(all.dimension);
         let step = Lanes::splat(simd, self.step);
-        let y = self.y.map(|y| vectors::<S>(y, blocks));
-        let predicted = vectors_mut::<S>(self.predicted, blocks);
+        let y = (!self.increment_only).then_some(vectors::<S>(&all.y, blocks));
+        let predicted = vectors_mut::<S>(&mut all.predicted, blocks);
         if let [predicted] = predicted {
             // One vector: no loop.
             *predicted = stars.predict(step, y, 0);
@@ -218,10 +214,9 @@ impl WithSimd for UndoPrediction<'_> {
 /// [`Predict`] adds the newest difference to the rows before it.
 pub(super) struct UpdateDifferences<'a> {
     pub(super) order: usize,
-    pub(super) dimension: usize,
-    pub(super) derivative: &'a [f64],
+    pub(super) vectors: &'a Vectors,
     pub(super) table: &'a mut [f64],
-    pub(super) inverse_weight: &'a [f64],
+    pub(super) norm: &'a ErrorNorm,
     pub(super) above: bool,
 }
 
@@ -230,43 +225,67 @@ impl WithSimd for UpdateDifferences<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let order = self.order;
-        let mut rows = DifferenceRows::<S>::new(simd, self.table, self.derivative.len());
-        let blocks = blocks::<S>(self.dimension);
-        let derivative = vectors::<S>(self.derivative, blocks);
-        let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let mut sum = Squares::new(simd);
-        each_block!(S, blocks, |part, b| {
-            // φ_{k+1}(n+1) = f(y) - φ*_1.
-            let newest = load(simd, &derivative[b]) - rows.get(0, b);
-            if self.above {
-                // φ_{k+2}(n+1) = φ_{k+1}(n+1) - φ_{k+1}(n).
-                let above = newest - rows.get(order, b);
-                rows.set(order + 1, b, above);
-                sum.add(part, above * load(simd, &inverse_weight[b]));
+        let blocks = blocks::<S>(self.vectors.dimension);
+        let derivative = &self.vectors.derivative;
+        let mut newest = Newest {
+            order: self.order,
+            rows: DifferenceRows::<S>::new(simd, self.table, derivative.len()),
+            derivative: vectors::<S>(derivative, blocks),
+            inverse_weight: vectors::<S>(&self.norm.inverse_weight, blocks),
+        };
+        match (self.above, blocks) {
+            (false, _) => {
+                for b in 0..blocks {
+                    newest.write(b);
+                }
+                0.0
             }
-            rows.set(order, b, newest);
-        });
-        if self.above { sum.total() } else { 0.0 }
+            // One vector: no loop.
+            (true, 1) => Squares::of_one(newest.write_above(0)),
+            (true, _) => {
+                let mut sum = Squares::new(simd);
+                each_block!(S, blocks, |part, b| sum.add(part, newest.write_above(b)));
+                sum.total()
+            }
+        }
+    }
+}
+
+/// Operands of [`UpdateDifferences`].
+struct Newest<'a, S: Simd> {
+    order: usize,
+    rows: DifferenceRows<'a, S>,
+    derivative: &'a [S::f64s],
+    inverse_weight: &'a [S::f64s],
+}
+
+impl<S: Simd> Newest<'_, S> {
+    /// Write vector `b` of the newest difference, `φ_{k+1}(n+1) = f(y) - φ*_1`, and return it.
+    #[inline(always)]
+    fn write(&mut self, b: usize) -> Lanes<S> {
+        let newest = load(self.rows.simd, &self.derivative[b]) - self.rows.get(0, b);
+        self.rows.set(self.order, b, newest);
+        newest
+    }
+
+    /// Write the same and `φ_{k+2}(n+1) = φ_{k+1}(n+1) - φ_{k+1}(n)`; return the latter over the permitted error.
+    #[inline(always)]
+    fn write_above(&mut self, b: usize) -> Lanes<S> {
+        let before = self.rows.get(self.order, b);
+        let above = self.write(b) - before;
+        self.rows.set(self.order + 1, b, above);
+        above * load(self.rows.simd, &self.inverse_weight[b])
     }
 }
 
 /// Weighted sums of squares of the error estimates: `f(p) - φ*_1`, and the same plus φ*_k and φ*_{k-1} for the lower orders.
 pub(super) struct Errors<'a> {
-    pub(super) dimension: usize,
-    pub(super) derivative: &'a [f64],
-    /// φ*_1, φ*_k and φ*_{k-1}.
-    pub(super) rows: [&'a [f64]; 3],
-    pub(super) inverse_weight: &'a [f64],
-    /// Corrected value `y = p + weight (f(p) - φ*_1)`, written in the same pass.
-    pub(super) correction: Option<Correction<'a>>,
-}
-
-/// Operands of the corrected value in [`Errors`].
-pub(super) struct Correction<'a> {
-    pub(super) weight: f64,
-    pub(super) predicted: &'a [f64],
-    pub(super) corrected: &'a mut [f64],
+    pub(super) order: usize,
+    pub(super) differences: &'a Differences,
+    pub(super) norm: &'a ErrorNorm,
+    pub(super) vectors: &'a mut Vectors,
+    /// Weight of the corrected value `y = p + weight (f(p) - φ*_1)`, written in the same pass.
+    pub(super) correction: Option<f64>,
 }
 
 impl WithSimd for Errors<'_> {
@@ -274,33 +293,76 @@ impl WithSimd for Errors<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
-        let blocks = blocks::<S>(self.dimension);
-        let derivative = vectors::<S>(self.derivative, blocks);
-        let [first, one_below, two_below] = self.rows.map(|row| vectors::<S>(row, blocks));
-        let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
+        let all = self.vectors;
+        let blocks = blocks::<S>(all.dimension);
+        let [first, one_below, two_below] = self.differences.rows_of_errors(self.order);
+        let mut changes = Changes::<S> {
+            simd,
+            derivative: vectors::<S>(&all.derivative, blocks),
+            rows: [
+                vectors::<S>(first, blocks),
+                vectors::<S>(one_below, blocks),
+                vectors::<S>(two_below, blocks),
+            ],
+            inverse_weight: vectors::<S>(&self.norm.inverse_weight, blocks),
+            correction: self.correction.map(|weight| {
+                (
+                    Lanes::splat(simd, weight),
+                    vectors::<S>(&all.predicted, blocks),
+                    vectors_mut::<S>(&mut all.trial, blocks),
+                )
+            }),
+        };
+        if blocks == 1 {
+            // One vector: no loop.
+            let [at, one, two] = changes.weighted(0);
+            return [
+                Squares::of_one(at),
+                Squares::of_one(one),
+                Squares::of_one(two),
+            ];
+        }
         let (mut at, mut one, mut two) =
             (Squares::new(simd), Squares::new(simd), Squares::new(simd));
-        let mut correction = self.correction.map(|correction| {
-            (
-                Lanes::splat(simd, correction.weight),
-                vectors::<S>(correction.predicted, blocks),
-                vectors_mut::<S>(correction.corrected, blocks),
-            )
-        });
         each_block!(S, blocks, |part, b| {
-            let weight = load(simd, &inverse_weight[b]);
-            // f(p) - φ*_1; at lower orders φ*_k and φ*_{k-1} belong to the difference.
-            let change = load(simd, &derivative[b]) - load(simd, &first[b]);
-            at.add(part, change * weight);
-            one.add(part, (load(simd, &one_below[b]) + change) * weight);
-            two.add(part, (load(simd, &two_below[b]) + change) * weight);
-            // y = p + h g_{k+1} (f(p) - φ*_1).
-            if let Some((weight, predicted, corrected)) = &mut correction {
-                let predicted = load(simd, &predicted[b]);
-                corrected[b] = change.mul_add(*weight, predicted).values();
-            }
+            let values = changes.weighted(b);
+            at.add(part, values[0]);
+            one.add(part, values[1]);
+            two.add(part, values[2]);
         });
         [at.total(), one.total(), two.total()]
+    }
+}
+
+/// Operands of [`Errors`].
+struct Changes<'a, S: Simd> {
+    simd: S,
+    derivative: &'a [S::f64s],
+    rows: [&'a [S::f64s]; 3],
+    inverse_weight: &'a [S::f64s],
+    /// Weight, predicted and corrected value.
+    correction: Option<(Lanes<S>, &'a [S::f64s], &'a mut [S::f64s])>,
+}
+
+impl<S: Simd> Changes<'_, S> {
+    /// Return vector `b` of the changes at the three orders over the permitted error; correct the predicted value.
+    #[inline(always)]
+    fn weighted(&mut self, b: usize) -> [Lanes<S>; 3] {
+        let simd = self.simd;
+        let weight = load(simd, &self.inverse_weight[b]);
+        let [first, one_below, two_below] = self.rows;
+        // f(p) - φ*_1; at lower orders φ*_k and φ*_{k-1} belong to the difference.
+        let change = load(simd, &self.derivative[b]) - load(simd, &first[b]);
+        // y = p + h g_{k+1} (f(p) - φ*_1).
+        if let Some((weight, predicted, corrected)) = &mut self.correction {
+            let predicted = load(simd, &predicted[b]);
+            corrected[b] = change.mul_add(*weight, predicted).values();
+        }
+        [
+            change * weight,
+            (load(simd, &one_below[b]) + change) * weight,
+            (load(simd, &two_below[b]) + change) * weight,
+        ]
     }
 }
 

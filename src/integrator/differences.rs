@@ -8,6 +8,8 @@ use super::MAX_ORDER;
 use super::coefficients::Coefficients;
 use super::difference_kernels::{Predict, UndoPrediction, UpdateDifferences};
 use super::newton_kernels::{NewtonDifference, PredictForNewton};
+use super::vectors::Vectors;
+use super::weights::ErrorNorm;
 use crate::math::simd::{InstructionSet, Numbers, padded, padded_zeros};
 
 /// Differences `φ_1` … φ_{k+2} of the derivative, one row each, and the compensation of rounding at tight tolerances.
@@ -82,13 +84,16 @@ impl Differences {
     }
 
     /// Return row `i` as stored: φ* after a prediction, or the newest difference.
+    #[inline(always)]
     pub(super) fn row(&self, i: usize) -> &[f64] {
         &self.table[i * self.width..(i + 1) * self.width]
     }
 
     /// Return the rows of the error estimates at `order`: φ*_1, φ*_k and φ*_{k-1}.
+    #[inline(always)]
     pub(super) fn rows_of_errors(&self, order: usize) -> [&[f64]; 3] {
-        [0, order - 1, order.saturating_sub(2)].map(|i| self.row(i))
+        let below = order.saturating_sub(2);
+        [self.row(0), self.row(order - 1), self.row(below)]
     }
 
     /// Return row `i` and, where its addition is deferred, the newest difference.
@@ -105,24 +110,21 @@ impl Differences {
         c: &Coefficients,
         order: usize,
         h: f64,
-        y: &[f64],
-        predicted: &mut [f64],
+        vectors: &mut Vectors,
     ) {
         set.run(Predict {
             coefficients: c,
             order,
             newest: std::mem::take(&mut self.newest),
             step: h,
-            dimension: self.dimension,
             table: &mut self.table,
-            y: self.compensation.is_none().then_some(y),
-            predicted: &mut *predicted,
+            vectors: &mut *vectors,
+            increment_only: self.compensation.is_some(),
         });
         if let Some(compensation) = &mut self.compensation {
             // Compensated summation of p = y + increment.
-            for (((p, y), kept), lost) in predicted
-                .iter_mut()
-                .zip(y)
+            let ends = vectors.predicted.iter_mut().zip(vectors.y.iter());
+            for (((p, y), kept), lost) in ends
                 .zip(&compensation.kept)
                 .zip(&mut compensation.predicted)
             {
@@ -246,18 +248,17 @@ impl Differences {
         &mut self,
         set: InstructionSet,
         order: usize,
-        derivative: &[f64],
-        inverse_weight: &[f64],
+        vectors: &Vectors,
+        norm: &ErrorNorm,
         above: bool,
     ) -> f64 {
         // Deferred addition to the rows before, as above.
         self.newest = order;
         set.run(UpdateDifferences {
             order,
-            dimension: self.dimension,
-            derivative,
+            vectors,
             table: &mut self.table,
-            inverse_weight,
+            norm,
             above,
         })
     }
@@ -384,12 +385,12 @@ mod tests {
         table.newest = 3;
         let mut coefficients = Coefficients::new();
         coefficients.update(1.0, 1, 1.0, 3);
-        let (y, mut predicted) = (padded_zeros(1), padded_zeros(1));
+        let mut vectors = Vectors::new(1);
         let set = InstructionSet::detect();
-        table.predict(set, &coefficients, 1, 1.0, &y, &mut predicted);
+        table.predict(set, &coefficients, 1, 1.0, &mut vectors);
         let rows = [0, 1, 2, 3].map(|row| table.row(row)[0]);
         assert_eq!(rows, [1001.0, 1010.0, 1100.0, 1000.0]);
-        assert_eq!((predicted[0], table.newest), (1001.0, 0));
+        assert_eq!((vectors.predicted[0], table.newest), (1001.0, 0));
     }
 
     #[test]
@@ -429,8 +430,7 @@ mod tests {
                     last = (h, (i + 1).min(order));
                 }
                 let before = table.clone();
-                let (y, mut predicted) = (padded_zeros(dimension), padded_zeros(dimension));
-                table.predict(set, &c, order, 0.25, &y, &mut predicted);
+                table.predict(set, &c, order, 0.25, &mut Vectors::new(dimension));
                 for i in 0..dimension {
                     // φ*_1 is the sum of all β φ.
                     let sum: f64 = (0..order)
@@ -457,12 +457,12 @@ mod tests {
         // An increment of 1.25 units in the last place of one: rounded to one of them.
         slope[0] = 1.25 * f64::EPSILON;
         table.restart(&slope, true);
-        let (mut y, mut predicted) = (padded_zeros(1), padded_zeros(1));
-        y[0] = 1.0;
+        let mut vectors = Vectors::new(1);
+        vectors.y[0] = 1.0;
         let mut c = Coefficients::new();
         c.update(1.0, 1, 0.0, 0);
-        table.predict(InstructionSet::detect(), &c, 1, 1.0, &y, &mut predicted);
-        assert_eq!(predicted[0], 1.0 + f64::EPSILON);
+        table.predict(InstructionSet::detect(), &c, 1, 1.0, &mut vectors);
+        assert_eq!(vectors.predicted[0], 1.0 + f64::EPSILON);
         let compensation = table.compensation.as_ref().unwrap();
         assert_eq!(compensation.predicted[0], -0.25 * f64::EPSILON);
     }

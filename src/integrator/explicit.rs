@@ -163,13 +163,7 @@ impl Adams {
         self.counts.steps += 1;
         // φ_{k+2} is needed only where the order may rise.
         let raise = history.may_raise(k, self.control.max_order);
-        history.update(
-            self.instructions,
-            (k, h),
-            &self.norm,
-            &vectors.derivative,
-            raise,
-        )
+        history.update(self.instructions, (k, h), &self.norm, vectors, raise)
     }
 
     /// Choose the next order and step size (block 4 of STEP).

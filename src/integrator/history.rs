@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::coefficients::Coefficients;
-use super::difference_kernels::{Correction, Errors};
+use super::difference_kernels::Errors;
 use super::differences::Differences;
 use super::next_step::NextStep;
 use super::order_control::ErrorEstimate;
@@ -63,8 +63,7 @@ impl History {
             &self.coefficients,
             step.order,
             step.size,
-            &vectors.y,
-            &mut vectors.predicted,
+            vectors,
         );
     }
 
@@ -86,16 +85,9 @@ impl History {
         set: InstructionSet,
         step: &NextStep,
         norm: &ErrorNorm,
-        vectors: &Vectors,
+        vectors: &mut Vectors,
     ) -> ErrorEstimate {
-        let sums = set.run(Errors {
-            dimension: vectors.dimension,
-            derivative: &vectors.derivative,
-            rows: self.differences.rows_of_errors(step.order),
-            inverse_weight: &norm.inverse_weight,
-            correction: None,
-        });
-        self.estimate_from(step, norm, sums)
+        self.estimate(set, step, norm, vectors, None)
     }
 
     /// Return the same estimates; write the corrected value `p + h g_{k+1} (f(p) - φ*_1)` into `trial` in the same pass.
@@ -106,21 +98,31 @@ impl History {
         norm: &ErrorNorm,
         vectors: &mut Vectors,
     ) -> ErrorEstimate {
+        let weight = step.size * self.coefficients.g[step.order];
+        self.estimate(set, step, norm, vectors, Some(weight))
+    }
+
+    #[inline(always)]
+    fn estimate(
+        &self,
+        set: InstructionSet,
+        step: &NextStep,
+        norm: &ErrorNorm,
+        vectors: &mut Vectors,
+        correction: Option<f64>,
+    ) -> ErrorEstimate {
         let sums = set.run(Errors {
-            dimension: vectors.dimension,
-            derivative: &vectors.derivative,
-            rows: self.differences.rows_of_errors(step.order),
-            inverse_weight: &norm.inverse_weight,
-            correction: Some(Correction {
-                weight: step.size * self.coefficients.g[step.order],
-                predicted: &vectors.predicted,
-                corrected: &mut vectors.trial,
-            }),
+            order: step.order,
+            differences: &self.differences,
+            norm,
+            vectors,
+            correction,
         });
         self.estimate_from(step, norm, sums)
     }
 
     /// Return the estimates from sums of squares at orders k, k - 1 and k - 2.
+    #[inline]
     pub(super) fn estimate_from(
         &self,
         step: &NextStep,
@@ -137,12 +139,11 @@ impl History {
         set: InstructionSet,
         (k, h): (usize, f64),
         norm: &ErrorNorm,
-        derivative: &[f64],
+        vectors: &Vectors,
         above: bool,
     ) -> f64 {
         (self.last_order, self.last_step_size) = (k, h);
-        let weights = &norm.inverse_weight;
-        norm.of_sum(self.differences.update(set, k, derivative, weights, above))
+        norm.of_sum(self.differences.update(set, k, vectors, norm, above))
     }
 
     /// Replace the differences after an implicit step that needs the newest one only; `ends`: predicted and new velocities.

@@ -219,7 +219,7 @@ impl Adams {
             history.update_by_newest_difference(set, (k, h), inverse_gamma, ends);
             0.0
         } else {
-            history.update(set, (k, h), &self.norm, &vectors.derivative, raise)
+            history.update(set, (k, h), &self.norm, vectors, raise)
         };
         // No last evaluation: the derivative follows from the corrector's equation.
         std::mem::swap(&mut vectors.y, &mut vectors.trial);

@@ -104,7 +104,7 @@ impl NextStep {
         control: &StepControl,
     ) -> bool {
         // Rise while the errors decrease with the order.
-        self.growing &= k < max_order && !estimate.prefers_lower(k);
+        self.growing = self.growing && k < max_order && !estimate.prefers_lower(k);
         if self.growing {
             self.order = k + 1;
             self.size = (2.0 * h).min(control.max_step);

@@ -63,6 +63,12 @@ impl<S: Simd> Squares<S> {
         self.0[part] = values.mul_add(values, self.0[part]);
     }
 
+    /// Return the total of one vector alone: sums with zeros are left out, which change no bit of a square.
+    #[inline(always)]
+    pub(crate) fn of_one(values: Lanes<S>) -> f64 {
+        (values * values).sum()
+    }
+
     /// Return the sum, in the order of [`PartialSums::total`] for all widths: halves are added until one number is left.
     #[inline(always)]
     pub(crate) fn total(&self) -> f64 {
