@@ -13,7 +13,8 @@ use crate::math::simd::{Lanes, Squares, load, vectors, vectors_mut};
 /// Return the number of SIMD vectors for `dimension` numbers, the last one padded.
 #[inline(always)]
 fn blocks<S: Simd>(dimension: usize) -> usize {
-    dimension.div_ceil(S::F64_LANES)
+    // Fewer instructions than `div_ceil`, which tests the remainder.
+    (dimension + S::F64_LANES - 1) >> S::F64_LANES.trailing_zeros()
 }
 
 /// Run `$each` for each of `$blocks` vectors, with alternating parts of a sum, constants in the unrolled loop.

@@ -37,6 +37,19 @@ struct Compensation {
     predicted: Vec<f64>,
 }
 
+impl Compensation {
+    /// Replace the increment in the predicted value by the compensated sum p = y + increment.
+    fn add_increment(&mut self, vectors: &mut Vectors) {
+        let ends = vectors.predicted.iter_mut().zip(vectors.y.iter());
+        for (((p, y), kept), lost) in ends.zip(&self.kept).zip(&mut self.predicted) {
+            // kept: rounding of the sums so far; lost: rounding of this sum.
+            let tau = *p - kept;
+            *p = y + tau;
+            *lost = (*p - y) - tau;
+        }
+    }
+}
+
 impl Differences {
     pub(super) fn new(dimension: usize) -> Self {
         let width = padded(dimension);
@@ -122,17 +135,7 @@ impl Differences {
             increment_only: self.compensation.is_some(),
         });
         if let Some(compensation) = &mut self.compensation {
-            // Compensated summation of p = y + increment.
-            let ends = vectors.predicted.iter_mut().zip(vectors.y.iter());
-            for (((p, y), kept), lost) in ends
-                .zip(&compensation.kept)
-                .zip(&mut compensation.predicted)
-            {
-                // kept: rounding of the sums so far; lost: rounding of this sum.
-                let tau = *p - kept;
-                *p = y + tau;
-                *lost = (*p - y) - tau;
-            }
+            compensation.add_increment(vectors);
         }
     }
 

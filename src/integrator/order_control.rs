@@ -67,7 +67,7 @@ impl ErrorEstimate {
             // Only one estimate below order two: the lower order has to gain a factor.
             2 => self.one_below <= GAIN_AT_LOW_ORDER * self.at_order,
             // Both lower orders must be as good: one of them may be small by chance.
-            _ => self.one_below.max(self.two_below) <= self.at_order,
+            _ => self.one_below <= self.at_order && self.two_below <= self.at_order,
         }
     }
 }

@@ -46,11 +46,13 @@ impl ErrorNorm {
     ) {
         let controlled = system.controlled();
         self.factor = 1.0;
-        if control.is_by_component() {
-            self.update_by_component(set, control, controlled, (y, starting));
-        } else if starting {
+        if starting {
             // Padding and sums have zero weight: they do not enter norms.
             self.inverse_weight.fill(0.0);
+        }
+        if control.is_by_component() {
+            self.update_by_component(set, control, controlled, y);
+        } else if starting {
             self.inverse_weight[..controlled].fill(1.0 / control.accuracy);
         }
     }
@@ -68,8 +70,11 @@ impl ErrorNorm {
     ) {
         let controlled = system.controlled();
         self.factor = 1.0;
+        if starting {
+            self.inverse_weight.fill(0.0);
+        }
         if control.is_by_component() {
-            self.update_by_component(set, control, controlled, (y, starting));
+            self.update_by_component(set, control, controlled, y);
             return;
         }
         // One tolerance serves both correctors with different norms (decision 21).
@@ -77,7 +82,6 @@ impl ErrorNorm {
             self.factor = mean_square_factor(control, system.counted());
         }
         if starting {
-            self.inverse_weight.fill(0.0);
             let (lengths, rest) = self.inverse_weight.split_at_mut(system.coordinates());
             system.scale(lengths);
             for (length, speed) in lengths.iter_mut().zip(rest) {
@@ -94,11 +98,8 @@ impl ErrorNorm {
         set: InstructionSet,
         control: &StepControl,
         controlled: usize,
-        (y, starting): (&[f64], bool),
+        y: &[f64],
     ) {
-        if starting {
-            self.inverse_weight.fill(0.0);
-        }
         set.run(Weigh {
             control,
             y,
