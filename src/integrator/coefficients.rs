@@ -117,21 +117,35 @@ impl Coefficients {
     /// Compute the weights after `g_{NS+1}`.
     ///
     /// Each round replaces `w_j` by `w_j - α w_{j+1}`; its first entry is the next weight. The loop runs over diagonals, so that one
-    /// entry of v goes through all its rounds in registers.
+    /// entry of v goes through all its rounds in registers; two diagonals share their loads.
     fn update_g_behind(&mut self, k: usize, ns: usize) {
+        let count = k - ns;
         // Last entries of the earlier rounds.
-        let mut diagonal = [self.v[0]; MAX_ORDER];
-        let alpha = &self.alpha[ns..k];
-        // Entry m + 1 of v enters at round 0 and leaves at round m + 1 as the weight g.
-        for (m, g) in self.g[ns + 1..=k].iter_mut().enumerate() {
-            let mut w = self.v[m + 1];
-            for (before, alpha) in diagonal[..=m].iter_mut().zip(alpha) {
+        let mut rounds = [self.v[0]; MAX_ORDER];
+        let rounds = &mut rounds[..=count];
+        let (v, alpha, g) = (
+            &self.v[1..=count],
+            &self.alpha[ns..k],
+            &mut self.g[ns + 1..=k],
+        );
+        // Entry m of v enters at round 0 and leaves at round m + 1 as the weight g.
+        let mut m = 0;
+        while m + 1 < count {
+            let (mut w, mut after) = (v[m], v[m + 1]);
+            for (before, alpha) in rounds[..=m].iter_mut().zip(&alpha[..=m]) {
                 let next = *before - alpha * w;
-                *before = w;
-                w = next;
+                let next_after = w - alpha * after;
+                *before = after;
+                (w, after) = (next, next_after);
             }
-            diagonal[m + 1] = w;
-            *g = w;
+            let last = w - alpha[m + 1] * after;
+            (g[m], g[m + 1]) = (w, last);
+            (rounds[m + 1], rounds[m + 2]) = (after, last);
+            m += 2;
+        }
+        if m < count {
+            let rounds = rounds[..=m].iter().zip(&alpha[..=m]);
+            g[m] = rounds.fold(v[m], |w, (before, alpha)| before - alpha * w);
         }
     }
 

@@ -8,7 +8,7 @@ use super::differences::Differences;
 use super::slice_lanes::{At, SliceLanes, SliceLanesMut, each_vector, vector_count};
 use super::vectors::Vectors;
 use super::weights::ErrorNorm;
-use crate::math::simd::{Lanes, Squares, load, vectors, vectors_mut};
+use crate::math::simd::{Lanes, Squares, WIDTH, load, vectors, vectors_mut};
 
 /// Return the number of SIMD vectors for `dimension` numbers, the last one padded.
 #[inline(always)]
@@ -102,11 +102,12 @@ impl WithSimd for Predict<'_> {
         let predicted = vectors_mut::<S>(&mut all.predicted, blocks);
         if let [predicted] = predicted {
             // One vector: no loop.
-            *predicted = stars.predict(step, y, 0);
+            let sum = stars.sum_of_one();
+            *predicted = increased(step * sum, y, 0);
             return;
         }
         for (b, predicted) in predicted.iter_mut().enumerate() {
-            *predicted = stars.predict(step, y, b);
+            *predicted = increased(step * stars.sum(b), y, b);
         }
     }
 }
@@ -119,13 +120,43 @@ struct Stars<'a, S: Simd> {
     rows: DifferenceRows<'a, S>,
 }
 
+/// Return vector `b` of y plus its increment, or the increment without y.
+#[inline(always)]
+fn increased<S: Simd>(increment: Lanes<S>, y: Option<&[S::f64s]>, b: usize) -> S::f64s {
+    let y = y.map(|y| load(increment.simd(), &y[b]));
+    y.map_or(increment, |y| increment + y).values()
+}
+
 impl<S: Simd> Stars<'_, S> {
-    /// Replace φ by φ* in vector `b` of all rows; return h Σ g β φ, plus y where it is given.
+    /// Replace φ by φ* in rows of one vector; return Σ g β φ, the same number as [`Self::sum`].
+    ///
+    /// The length of a row is a constant: its multiples and checks of bounds are left out.
     #[inline(always)]
-    fn predict(&mut self, step: Lanes<S>, y: Option<&[S::f64s]>, b: usize) -> S::f64s {
-        let increment = step * self.sum(b);
-        let y = y.map(|y| load(step.simd(), &y[b]));
-        y.map_or(increment, |y| increment + y).values()
+    fn sum_of_one(&mut self) -> Lanes<S> {
+        let (rows, order, newest) = (&mut self.rows, self.beta.len(), self.newest);
+        let (simd, width) = (rows.simd, WIDTH / S::F64_LANES);
+        let zero = Lanes::splat(simd, 0.0);
+        let latest = if newest > 0 {
+            load(simd, &rows.table[newest * width])
+        } else {
+            zero
+        };
+        let (below, above) = rows.table.split_at_mut(order * width);
+        let fallen = newest.saturating_sub(order);
+        for row in above.chunks_exact_mut(width).take(fallen) {
+            row[0] = (load(simd, &row[0]) + latest).values();
+        }
+        let lacking = newest.min(order);
+        let mut sums = [zero; 2];
+        let below = below.chunks_exact_mut(width);
+        let mut terms = below.zip(self.beta.iter().zip(self.g)).rev();
+        for (row, (beta, g)) in terms.by_ref().take(order - lacking) {
+            row[0] = star(load(simd, &row[0]), [*beta, *g], &mut sums);
+        }
+        for (row, (beta, g)) in terms {
+            row[0] = star(load(simd, &row[0]) + latest, [*beta, *g], &mut sums);
+        }
+        sums[0]
     }
 
     /// Replace φ by φ* in vector `b` of all rows; return Σ g β φ.

@@ -102,11 +102,11 @@ impl Differences {
         &self.table[i * self.width..(i + 1) * self.width]
     }
 
-    /// Return the rows of the error estimates at `order`: φ*_1, φ*_k and φ*_{k-1}.
+    /// Return the table from the rows of the error estimates at `order` on: φ*_1, φ*_k and φ*_{k-1}.
     #[inline(always)]
     pub(super) fn rows_of_errors(&self, order: usize) -> [&[f64]; 3] {
-        let below = order.saturating_sub(2);
-        [self.row(0), self.row(order - 1), self.row(below)]
+        let from = |row: usize| &self.table[row * self.width..];
+        [from(0), from(order - 1), from(order.saturating_sub(2))]
     }
 
     /// Return row `i` and, where its addition is deferred, the newest difference.

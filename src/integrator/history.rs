@@ -58,13 +58,8 @@ impl History {
     /// Compute the predicted value; turns φ into φ*.
     pub(super) fn predict(&mut self, set: InstructionSet, step: &NextStep, vectors: &mut Vectors) {
         self.update_coefficients(step);
-        self.differences.predict(
-            set,
-            &self.coefficients,
-            step.order,
-            step.size,
-            vectors,
-        );
+        self.differences
+            .predict(set, &self.coefficients, step.order, step.size, vectors);
     }
 
     /// Undo the prediction of a rejected step.
