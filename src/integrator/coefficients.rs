@@ -73,7 +73,8 @@ impl Coefficients {
         self.beta[ns - 1] = 1.0;
         self.alpha[ns - 1] = 1.0 / ns as f64;
         self.sigma[ns] = 1.0;
-        let (mut sum, mut beta, mut sigma) = (h * ns as f64, 1.0, 1.0);
+        let mut number = ns as f64;
+        let (mut sum, mut beta, mut sigma) = (h * number, 1.0, 1.0);
         for i in ns..k.min(MAX_ORDER) {
             // ψ_{i+1}(n+1) = ψ_i(n) + h; β and σ are products of the earlier factors.
             let previous = self.psi[i - 1];
@@ -82,7 +83,8 @@ impl Coefficients {
             sum = previous + h;
             self.alpha[i] = h / sum;
             // σ_{i+1} = i α_i σ_i in the indices of the book.
-            sigma *= (i + 1) as f64 * self.alpha[i];
+            number += 1.0;
+            sigma *= number * self.alpha[i];
             self.sigma[i + 1] = sigma;
         }
         self.psi[k - 1] = sum;
@@ -105,8 +107,9 @@ impl Coefficients {
             }
             // One more equal step: one round over all entries.
             let alpha = self.alpha[ns - 1];
-            let v = &mut self.v[..k - ns + 2];
-            for i in 0..v.len() - 1 {
+            let last = k - ns + 1;
+            let v = &mut self.v[..=last];
+            for i in 0..last {
                 v[i] -= alpha * v[i + 1];
             }
             self.g[ns] = self.v[0];

@@ -17,6 +17,20 @@ fn blocks<S: Simd>(dimension: usize) -> usize {
     (dimension + S::F64_LANES - 1) >> S::F64_LANES.trailing_zeros()
 }
 
+/// Run `$kernel` with the number of SIMD vectors for `$dimension` numbers: a constant for one vector, whose code then has no loop and
+/// saves no registers.
+macro_rules! by_blocks {
+    ($simd:ty, $dimension:expr, |$blocks:ident| $kernel:expr) => {
+        if (1..=<$simd>::F64_LANES).contains(&$dimension) {
+            let $blocks = 1;
+            $kernel
+        } else {
+            let $blocks = blocks::<$simd>($dimension);
+            $kernel
+        }
+    };
+}
+
 /// Run `$each` for each of `$blocks` vectors, with alternating parts of a sum, constants in the unrolled loop.
 macro_rules! each_block {
     ($simd:ty, $blocks:expr, |$part:ident, $block:ident| $each:expr) => {
@@ -83,6 +97,13 @@ impl WithSimd for Predict<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        by_blocks!(S, self.vectors.dimension, |blocks| self.of(simd, blocks));
+    }
+}
+
+impl Predict<'_> {
+    #[inline(always)]
+    fn of<S: Simd>(self, simd: S, blocks: usize) {
         let c = self.coefficients;
         debug_assert!(
             c.beta[..c.equal_steps.min(self.order)]
@@ -96,7 +117,6 @@ impl WithSimd for Predict<'_> {
             rows: DifferenceRows::<S>::new(simd, self.table, self.vectors.predicted.len()),
         };
         let all = self.vectors;
-        let blocks = blocks::<S>(all.dimension);
         let step = Lanes::splat(simd, self.step);
         let y = (!self.increment_only).then_some(vectors::<S>(&all.y, blocks));
         let predicted = vectors_mut::<S>(&mut all.predicted, blocks);
@@ -213,6 +233,7 @@ fn star<S: Simd>(phi: Lanes<S>, [beta, g]: [f64; 2], [sum, above]: &mut [Lanes<S
 pub(super) struct UndoPrediction<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
+    pub(super) dimension: usize,
     /// Components of a row, padded.
     pub(super) width: usize,
     pub(super) table: &'a mut [f64],
@@ -226,7 +247,7 @@ impl WithSimd for UndoPrediction<'_> {
         // Inverse of the partial sums, row by row from the lowest order.
         let inverse = self.coefficients.beta.map(|beta| 1.0 / beta);
         let mut rows = DifferenceRows::<S>::new(simd, self.table, self.width);
-        for b in 0..rows.width {
+        for b in 0..blocks::<S>(self.dimension) {
             let mut here = rows.get(0, b);
             for (i, &inverse) in inverse.iter().enumerate().take(self.order) {
                 let below = if i + 1 < self.order {
@@ -257,7 +278,13 @@ impl WithSimd for UpdateDifferences<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let blocks = blocks::<S>(self.vectors.dimension);
+        by_blocks!(S, self.vectors.dimension, |blocks| self.of(simd, blocks))
+    }
+}
+
+impl UpdateDifferences<'_> {
+    #[inline(always)]
+    fn of<S: Simd>(self, simd: S, blocks: usize) -> f64 {
         let derivative = &self.vectors.derivative;
         let mut newest = Newest {
             order: self.order,
@@ -325,8 +352,14 @@ impl WithSimd for Errors<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
+        by_blocks!(S, self.vectors.dimension, |blocks| self.of(simd, blocks))
+    }
+}
+
+impl Errors<'_> {
+    #[inline(always)]
+    fn of<S: Simd>(self, simd: S, blocks: usize) -> [f64; 3] {
         let all = self.vectors;
-        let blocks = blocks::<S>(all.dimension);
         let [first, one_below, two_below] = self.differences.rows_of_errors(self.order);
         let mut changes = Changes::<S> {
             simd,

@@ -202,6 +202,7 @@ impl Differences {
         set.run(UndoPrediction {
             coefficients: c,
             order,
+            dimension: self.dimension,
             width: self.width,
             table: &mut self.table,
         });
