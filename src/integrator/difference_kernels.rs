@@ -5,6 +5,8 @@ use pulp::{Simd, WithSimd};
 use super::StepControl;
 use super::coefficients::Coefficients;
 use super::differences::Differences;
+use super::history::History;
+use super::next_step::NextStep;
 use super::slice_lanes::{At, SliceLanes, SliceLanesMut, each_vector, vector_count};
 use super::vectors::Vectors;
 use super::weights::ErrorNorm;
@@ -57,6 +59,11 @@ struct DifferenceRows<'a, S: Simd> {
 
 impl<'a, S: Simd> DifferenceRows<'a, S> {
     #[inline(always)]
+    fn of(simd: S, differences: &'a mut Differences) -> Self {
+        Self::new(simd, &mut differences.table, differences.width)
+    }
+
+    #[inline(always)]
     fn new(simd: S, table: &'a mut [f64], width: usize) -> Self {
         let all = table.len() / S::F64_LANES;
         Self {
@@ -79,17 +86,14 @@ impl<'a, S: Simd> DifferenceRows<'a, S> {
 
 /// Add the newest difference to the rows before it, replace φ by φ*, and write the predicted value or its increment.
 ///
-/// `φ*_i = β_i φ_i + φ*_{i+1}`, `p = y + h Σ g_i β_i φ_i`. φ_{k+1} is kept: [`UpdateDifferences`] needs it.
+/// `φ*_i = β_i φ_i + φ*_{i+1}`, `p = y + h Σ g_i β_i φ_i`. φ_{k+1} is kept: [`UpdateDifferences`] needs it. The increment without y is
+/// written for compensated summation.
 pub(super) struct Predict<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
-    /// Index of the newest difference, whose addition is deferred; zero for none.
-    pub(super) newest: usize,
     pub(super) step: f64,
-    pub(super) table: &'a mut [f64],
+    pub(super) differences: &'a mut Differences,
     pub(super) vectors: &'a mut Vectors,
-    /// Write the increment without y, for compensated summation.
-    pub(super) increment_only: bool,
 }
 
 impl WithSimd for Predict<'_> {
@@ -110,15 +114,16 @@ impl Predict<'_> {
                 .iter()
                 .all(|&beta| beta == 1.0)
         );
+        let compensates = self.differences.compensates();
         let mut stars = Stars {
             beta: &c.beta[..self.order],
             g: &c.g[..self.order],
-            newest: self.newest,
-            rows: DifferenceRows::<S>::new(simd, self.table, self.vectors.predicted.len()),
+            newest: std::mem::take(&mut self.differences.newest),
+            rows: DifferenceRows::<S>::of(simd, self.differences),
         };
         let all = self.vectors;
         let step = Lanes::splat(simd, self.step);
-        let y = (!self.increment_only).then_some(vectors::<S>(&all.y, blocks));
+        let y = (!compensates).then_some(vectors::<S>(&all.y, blocks));
         let predicted = vectors_mut::<S>(&mut all.predicted, blocks);
         if let [predicted] = predicted {
             // One vector: no loop.
@@ -267,8 +272,8 @@ impl WithSimd for UndoPrediction<'_> {
 /// [`Predict`] adds the newest difference to the rows before it.
 pub(super) struct UpdateDifferences<'a> {
     pub(super) order: usize,
+    pub(super) differences: &'a mut Differences,
     pub(super) vectors: &'a Vectors,
-    pub(super) table: &'a mut [f64],
     pub(super) norm: &'a ErrorNorm,
     pub(super) above: bool,
 }
@@ -288,7 +293,7 @@ impl UpdateDifferences<'_> {
         let derivative = &self.vectors.derivative;
         let mut newest = Newest {
             order: self.order,
-            rows: DifferenceRows::<S>::new(simd, self.table, derivative.len()),
+            rows: DifferenceRows::<S>::of(simd, self.differences),
             derivative: vectors::<S>(derivative, blocks),
             inverse_weight: vectors::<S>(&self.norm.inverse_weight, blocks),
         };
@@ -339,12 +344,12 @@ impl<S: Simd> Newest<'_, S> {
 
 /// Weighted sums of squares of the error estimates: `f(p) - φ*_1`, and the same plus φ*_k and φ*_{k-1} for the lower orders.
 pub(super) struct Errors<'a> {
-    pub(super) order: usize,
-    pub(super) differences: &'a Differences,
+    pub(super) history: &'a History,
+    pub(super) step: &'a NextStep,
     pub(super) norm: &'a ErrorNorm,
     pub(super) vectors: &'a mut Vectors,
-    /// Weight of the corrected value `y = p + weight (f(p) - φ*_1)`, written in the same pass.
-    pub(super) correction: Option<f64>,
+    /// Write the corrected value `y = p + h g_{k+1} (f(p) - φ*_1)` in the same pass.
+    pub(super) correct: bool,
 }
 
 impl WithSimd for Errors<'_> {
@@ -360,7 +365,8 @@ impl Errors<'_> {
     #[inline(always)]
     fn of<S: Simd>(self, simd: S, blocks: usize) -> [f64; 3] {
         let all = self.vectors;
-        let [first, one_below, two_below] = self.differences.rows_of_errors(self.order);
+        let NextStep { order, size, .. } = *self.step;
+        let [first, one_below, two_below] = self.history.differences.rows_of_errors(order);
         let mut changes = Changes::<S> {
             simd,
             derivative: vectors::<S>(&all.derivative, blocks),
@@ -370,9 +376,9 @@ impl Errors<'_> {
                 vectors::<S>(two_below, blocks),
             ],
             inverse_weight: vectors::<S>(&self.norm.inverse_weight, blocks),
-            correction: self.correction.map(|weight| {
+            correction: self.correct.then(|| {
                 (
-                    Lanes::splat(simd, weight),
+                    Lanes::splat(simd, size * self.history.coefficients.g[order]),
                     vectors::<S>(&all.predicted, blocks),
                     vectors_mut::<S>(&mut all.trial, blocks),
                 )

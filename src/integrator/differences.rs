@@ -16,14 +16,14 @@ use crate::math::simd::{InstructionSet, Numbers, padded, padded_zeros};
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Differences {
     /// Row i holds φ_{i+1} of every component, padded.
-    table: Numbers,
+    pub(super) table: Numbers,
     dimension: usize,
     /// Length of a row, padded.
-    width: usize,
+    pub(super) width: usize,
     /// Index of the newest difference, whose addition to the rows before it is deferred to the next prediction; zero for none.
     ///
     /// The deferral saves one pass over the table per step.
-    newest: usize,
+    pub(super) newest: usize,
     /// Compensation of rounding, for tolerances near rounding (`NORND` of STEP).
     compensation: Option<Compensation>,
 }
@@ -128,11 +128,9 @@ impl Differences {
         set.run(Predict {
             coefficients: c,
             order,
-            newest: std::mem::take(&mut self.newest),
             step: h,
-            table: &mut self.table,
+            differences: &mut *self,
             vectors: &mut *vectors,
-            increment_only: self.compensation.is_some(),
         });
         if let Some(compensation) = &mut self.compensation {
             compensation.add_increment(vectors);
@@ -260,8 +258,8 @@ impl Differences {
         self.newest = order;
         set.run(UpdateDifferences {
             order,
+            differences: self,
             vectors,
-            table: &mut self.table,
             norm,
             above,
         })

@@ -82,7 +82,7 @@ impl History {
         norm: &ErrorNorm,
         vectors: &mut Vectors,
     ) -> ErrorEstimate {
-        self.estimate(set, step, norm, vectors, None)
+        self.estimate(set, step, norm, vectors, false)
     }
 
     /// Return the same estimates; write the corrected value `p + h g_{k+1} (f(p) - φ*_1)` into `trial` in the same pass.
@@ -93,8 +93,7 @@ impl History {
         norm: &ErrorNorm,
         vectors: &mut Vectors,
     ) -> ErrorEstimate {
-        let weight = step.size * self.coefficients.g[step.order];
-        self.estimate(set, step, norm, vectors, Some(weight))
+        self.estimate(set, step, norm, vectors, true)
     }
 
     #[inline(always)]
@@ -104,14 +103,14 @@ impl History {
         step: &NextStep,
         norm: &ErrorNorm,
         vectors: &mut Vectors,
-        correction: Option<f64>,
+        correct: bool,
     ) -> ErrorEstimate {
         let sums = set.run(Errors {
-            order: step.order,
-            differences: &self.differences,
+            history: self,
+            step,
             norm,
             vectors,
-            correction,
+            correct,
         });
         self.estimate_from(step, norm, sums)
     }
