@@ -10,28 +10,7 @@ use super::next_step::NextStep;
 use super::slice_lanes::{At, SliceLanes, SliceLanesMut, each_vector, vector_count};
 use super::vectors::Vectors;
 use super::weights::ErrorNorm;
-use crate::math::simd::{Lanes, Squares, WIDTH, load, vectors, vectors_mut};
-
-/// Return the number of SIMD vectors for `dimension` numbers, the last one padded.
-#[inline(always)]
-fn blocks<S: Simd>(dimension: usize) -> usize {
-    // Fewer instructions than `div_ceil`, which tests the remainder.
-    (dimension + S::F64_LANES - 1) >> S::F64_LANES.trailing_zeros()
-}
-
-/// Run `$kernel` with the number of SIMD vectors for `$dimension` numbers: a constant for one vector, whose code then has no loop and
-/// saves no registers.
-macro_rules! by_blocks {
-    ($simd:ty, $dimension:expr, |$blocks:ident| $kernel:expr) => {
-        if (1..=<$simd>::F64_LANES).contains(&$dimension) {
-            let $blocks = 1;
-            $kernel
-        } else {
-            let $blocks = blocks::<$simd>($dimension);
-            $kernel
-        }
-    };
-}
+use crate::math::simd::{BlockKernel, Lanes, Squares, WIDTH, load, vectors, vectors_mut};
 
 /// Run `$each` for each of `$blocks` vectors, with alternating parts of a sum, constants in the unrolled loop.
 macro_rules! each_block {
@@ -96,18 +75,16 @@ pub(super) struct Predict<'a> {
     pub(super) vectors: &'a mut Vectors,
 }
 
-impl WithSimd for Predict<'_> {
+impl BlockKernel for Predict<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        by_blocks!(S, self.vectors.dimension, |blocks| self.of(simd, blocks));
+    fn length(&self) -> usize {
+        self.vectors.dimension
     }
-}
 
-impl Predict<'_> {
     #[inline(always)]
-    fn of<S: Simd>(self, simd: S, blocks: usize) {
+    fn with_blocks<S: Simd>(self, simd: S, blocks: usize) {
         let c = self.coefficients;
         debug_assert!(
             c.beta[..c.equal_steps.min(self.order)]
@@ -244,15 +221,20 @@ pub(super) struct UndoPrediction<'a> {
     pub(super) table: &'a mut [f64],
 }
 
-impl WithSimd for UndoPrediction<'_> {
+impl BlockKernel for UndoPrediction<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn length(&self) -> usize {
+        self.dimension
+    }
+
+    #[inline(always)]
+    fn with_blocks<S: Simd>(self, simd: S, blocks: usize) {
         // Inverse of the partial sums, row by row from the lowest order.
         let inverse = self.coefficients.beta.map(|beta| 1.0 / beta);
         let mut rows = DifferenceRows::<S>::new(simd, self.table, self.width);
-        for b in 0..blocks::<S>(self.dimension) {
+        for b in 0..blocks {
             let mut here = rows.get(0, b);
             for (i, &inverse) in inverse.iter().enumerate().take(self.order) {
                 let below = if i + 1 < self.order {
@@ -278,18 +260,16 @@ pub(super) struct UpdateDifferences<'a> {
     pub(super) above: bool,
 }
 
-impl WithSimd for UpdateDifferences<'_> {
+impl BlockKernel for UpdateDifferences<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        by_blocks!(S, self.vectors.dimension, |blocks| self.of(simd, blocks))
+    fn length(&self) -> usize {
+        self.vectors.dimension
     }
-}
 
-impl UpdateDifferences<'_> {
     #[inline(always)]
-    fn of<S: Simd>(self, simd: S, blocks: usize) -> f64 {
+    fn with_blocks<S: Simd>(self, simd: S, blocks: usize) -> f64 {
         let derivative = &self.vectors.derivative;
         let mut newest = Newest {
             order: self.order,
@@ -352,18 +332,16 @@ pub(super) struct Errors<'a> {
     pub(super) correct: bool,
 }
 
-impl WithSimd for Errors<'_> {
+impl BlockKernel for Errors<'_> {
     type Output = [f64; 3];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
-        by_blocks!(S, self.vectors.dimension, |blocks| self.of(simd, blocks))
+    fn length(&self) -> usize {
+        self.vectors.dimension
     }
-}
 
-impl Errors<'_> {
     #[inline(always)]
-    fn of<S: Simd>(self, simd: S, blocks: usize) -> [f64; 3] {
+    fn with_blocks<S: Simd>(self, simd: S, blocks: usize) -> [f64; 3] {
         let all = self.vectors;
         let NextStep { order, size, .. } = *self.step;
         let [first, one_below, two_below] = self.history.differences.rows_of_errors(order);

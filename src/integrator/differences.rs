@@ -125,7 +125,7 @@ impl Differences {
         h: f64,
         vectors: &mut Vectors,
     ) {
-        set.run(Predict {
+        set.run_blocks(Predict {
             coefficients: c,
             order,
             step: h,
@@ -197,7 +197,7 @@ impl Differences {
 
     /// Replace φ* by φ after a rejected step.
     pub(super) fn undo_prediction(&mut self, set: InstructionSet, c: &Coefficients, order: usize) {
-        set.run(UndoPrediction {
+        set.run_blocks(UndoPrediction {
             coefficients: c,
             order,
             dimension: self.dimension,
@@ -256,7 +256,7 @@ impl Differences {
     ) -> f64 {
         // Deferred addition to the rows before, as above.
         self.newest = order;
-        set.run(UpdateDifferences {
+        set.run_blocks(UpdateDifferences {
             order,
             differences: self,
             vectors,

@@ -105,7 +105,7 @@ impl History {
         vectors: &mut Vectors,
         correct: bool,
     ) -> ErrorEstimate {
-        let sums = set.run(Errors {
+        let sums = set.run_blocks(Errors {
             history: self,
             step,
             norm,

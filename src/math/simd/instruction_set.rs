@@ -6,6 +6,56 @@ use pulp::{Arch, Simd, WithSimd};
 #[cfg(target_arch = "x86_64")]
 const AVX2_NUMBERS: usize = 4;
 
+/// A kernel over arrays of one length that is compiled once for a single vector and once for more.
+///
+/// The code for one vector has no loop: it needs few registers and has none of those of the loop to save.
+pub(crate) trait BlockKernel: Sized {
+    /// Result.
+    type Output;
+
+    /// Return the length of the arrays without padding.
+    fn length(&self) -> usize;
+
+    /// Run for `blocks` vectors, a constant for one vector; to be inlined.
+    fn with_blocks<S: Simd>(self, simd: S, blocks: usize) -> Self::Output;
+}
+
+/// A kernel of one vector.
+struct OneBlock<Kernel>(Kernel);
+
+/// A kernel of any number of vectors.
+struct Blocks<Kernel>(Kernel);
+
+impl<Kernel: BlockKernel> WithSimd for OneBlock<Kernel> {
+    type Output = Kernel::Output;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        self.0.with_blocks(simd, 1)
+    }
+}
+
+impl<Kernel: BlockKernel> WithSimd for Blocks<Kernel> {
+    type Output = Kernel::Output;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        // Fewer instructions than `div_ceil`, which tests the remainder.
+        let blocks = (self.0.length() + S::F64_LANES - 1) >> S::F64_LANES.trailing_zeros();
+        self.0.with_blocks(simd, blocks)
+    }
+}
+
+/// Run a kernel for one vector or for more.
+#[inline(always)]
+fn run_by_length<S: Simd, Kernel: BlockKernel>(simd: S, kernel: Kernel) -> Kernel::Output {
+    if (1..=S::F64_LANES).contains(&kernel.length()) {
+        simd.vectorize(OneBlock(kernel))
+    } else {
+        simd.vectorize(Blocks(kernel))
+    }
+}
+
 /// Instruction set available on this machine.
 #[derive(Debug, Clone, Copy)]
 pub struct InstructionSet(Arch);
@@ -85,6 +135,20 @@ impl InstructionSet {
             #[cfg(target_arch = "aarch64")]
             Arch::Neon(neon) => Simd::vectorize(neon, kernel),
             _ => run_plain(kernel),
+        }
+    }
+
+    /// Run a kernel that is compiled apart for a single vector.
+    #[inline(always)]
+    pub(crate) fn run_blocks<Kernel: BlockKernel>(self, kernel: Kernel) -> Kernel::Output {
+        match self.0 {
+            #[cfg(all(target_arch = "x86_64", not(avx2_only)))]
+            Arch::V4(v4) => run_by_length(v4, kernel),
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(v3) => run_by_length(v3, kernel),
+            #[cfg(target_arch = "aarch64")]
+            Arch::Neon(neon) => run_by_length(neon, kernel),
+            _ => run_plain(Blocks(kernel)),
         }
     }
 

@@ -27,6 +27,7 @@ pub(crate) use atan::arc_tangent;
 pub(crate) use entries::{Entries, EntriesMut};
 pub(super) use exp::nearest_whole;
 pub(crate) use exp::{exp, exp_of_remainder};
+pub(crate) use instruction_set::BlockKernel;
 pub use instruction_set::InstructionSet;
 pub(crate) use lanes::{
     Lanes, Mask, both, both_mut, lane_numbers, load, no_lane, partial_load, splat_two, vectors,
