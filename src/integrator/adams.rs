@@ -152,6 +152,7 @@ impl Adams {
 
     /// Return the solution at [`Self::time`].
     #[must_use]
+    #[inline]
     pub fn y(&self) -> &[f64] {
         &self.vectors.y[..self.vectors.dimension]
     }

@@ -35,17 +35,28 @@ impl<'a> DenseOutput<'a> {
             *w = 1.0 / (i + 1) as f64;
         }
         weights[0] = 1.0;
-        let mut before = 0.0;
-        // Recursion of the integrals w of INTRP; the weight of difference j is the first entry of round j.
-        for j in 1..terms {
-            let psi = psi[j - 1];
-            // γ_j = (s + ψ_{j-1})/ψ_j, η_j = s/ψ_j with the distance s from the end.
-            let (gamma, eta) = ((distance + before) / psi, distance / psi);
-            for i in 0..(terms - j) {
-                w[i] = gamma * w[i] - eta * w[i + 1];
+        // γ_j = (s + ψ_{j-1})/ψ_j, η_j = s/ψ_j with the distance s from the end.
+        let factors = |j: usize| {
+            let before = if j > 1 { psi[j - 2] } else { 0.0 };
+            ((distance + before) / psi[j - 1], distance / psi[j - 1])
+        };
+        // Recursion of the integrals w of INTRP; the weight of difference j is the first entry of round j. Two rounds go through w at once.
+        let mut j = 1;
+        while j + 1 < terms {
+            let ((gamma, eta), (next_gamma, next_eta)) = (factors(j), factors(j + 1));
+            let mut here = gamma * w[0] - eta * w[1];
+            weights[j] = here;
+            for i in 0..(terms - j - 1) {
+                let next = gamma * w[i + 1] - eta * w[i + 2];
+                w[i] = next_gamma * here - next_eta * next;
+                here = next;
             }
-            weights[j] = w[0];
-            before = psi;
+            weights[j + 1] = w[0];
+            j += 2;
+        }
+        if j < terms {
+            let (gamma, eta) = factors(j);
+            weights[j] = gamma * w[0] - eta * w[1];
         }
         Self {
             weights,
@@ -59,12 +70,9 @@ impl<'a> DenseOutput<'a> {
     /// Return one component.
     #[must_use]
     pub fn value(&self, component: usize) -> f64 {
-        let sum: f64 = (0..self.terms)
-            .rev()
-            .map(|i| {
-                let (row, newest) = self.differences.parts_of_row(i);
-                self.weights[i] * (row[component] + newest.map_or(0.0, |newest| newest[component]))
-            })
+        let weights = self.weights[..self.terms].iter().enumerate();
+        let sum: f64 = (weights.rev())
+            .map(|(i, weight)| weight * self.differences.value(i, component))
             .sum();
         // y(t) = y + s Σ weights φ.
         self.y[component] + self.distance * sum

@@ -116,6 +116,18 @@ impl Differences {
         (self.row(i), newest)
     }
 
+    /// Return difference `i` of one component, with the newest one where its addition is deferred.
+    #[inline]
+    pub(super) fn value(&self, i: usize, component: usize) -> f64 {
+        let at = |row: usize| self.table[row * self.width + component];
+        at(i)
+            + if i < self.newest {
+                at(self.newest)
+            } else {
+                0.0
+            }
+    }
+
     /// Replace φ by φ* and write the predicted value `p = y + h Σ g_i β_i φ_i`.
     pub(super) fn predict(
         &mut self,

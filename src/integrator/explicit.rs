@@ -64,7 +64,8 @@ impl Adams {
             self.vectors.evaluate_at_prediction(system, end);
             self.counts.evaluations += 1;
             let estimate =
-                (self.history).estimate_and_correct(set, &self.next, &self.norm, &mut self.vectors);
+                self.history
+                    .estimate_error(set, &self.next, &self.norm, &mut self.vectors, true);
             if !estimate.accepts() || (first && !self.is_stable_at_start(system)) {
                 failures += 1;
             } else if system.accepts_step(self.next.size, self.allowed()) {

@@ -75,29 +75,9 @@ impl History {
     }
 
     /// Return the error estimates at this order and at the two orders below, from the derivative at the predicted value.
+    ///
+    /// `correct`: write the corrected value `p + h g_{k+1} (f(p) - φ*_1)` into `trial` in the same pass.
     pub(super) fn estimate_error(
-        &self,
-        set: InstructionSet,
-        step: &NextStep,
-        norm: &ErrorNorm,
-        vectors: &mut Vectors,
-    ) -> ErrorEstimate {
-        self.estimate(set, step, norm, vectors, false)
-    }
-
-    /// Return the same estimates; write the corrected value `p + h g_{k+1} (f(p) - φ*_1)` into `trial` in the same pass.
-    pub(super) fn estimate_and_correct(
-        &self,
-        set: InstructionSet,
-        step: &NextStep,
-        norm: &ErrorNorm,
-        vectors: &mut Vectors,
-    ) -> ErrorEstimate {
-        self.estimate(set, step, norm, vectors, true)
-    }
-
-    #[inline(always)]
-    fn estimate(
         &self,
         set: InstructionSet,
         step: &NextStep,

@@ -247,7 +247,7 @@ impl Adams {
         {
             *sum = predicted + weight * (derivative - phi);
         }
-        history.estimate_error(self.instructions, &self.next, &self.norm, vectors)
+        history.estimate_error(self.instructions, &self.next, &self.norm, vectors, false)
     }
 }
 
