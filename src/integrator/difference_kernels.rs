@@ -4,12 +4,8 @@ use pulp::{Simd, WithSimd};
 
 use super::StepControl;
 use super::coefficients::Coefficients;
-use super::differences::Differences;
-use super::history::History;
-use super::next_step::NextStep;
 use super::slice_lanes::{At, SliceLanes, SliceLanesMut, each_vector, vector_count};
 use super::vectors::Vectors;
-use super::weights::ErrorNorm;
 use crate::math::simd::{BlockKernel, Lanes, Squares, WIDTH, load, vectors, vectors_mut};
 
 /// Run `$each` for each of `$blocks` vectors, with alternating parts of a sum, constants in the unrolled loop.
@@ -38,11 +34,6 @@ struct DifferenceRows<'a, S: Simd> {
 
 impl<'a, S: Simd> DifferenceRows<'a, S> {
     #[inline(always)]
-    fn of(simd: S, differences: &'a mut Differences) -> Self {
-        Self::new(simd, &mut differences.table, differences.width)
-    }
-
-    #[inline(always)]
     fn new(simd: S, table: &'a mut [f64], width: usize) -> Self {
         let all = table.len() / S::F64_LANES;
         Self {
@@ -70,8 +61,12 @@ impl<'a, S: Simd> DifferenceRows<'a, S> {
 pub(super) struct Predict<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
+    /// Index of the newest difference, whose addition is deferred; zero for none.
+    pub(super) newest: usize,
     pub(super) step: f64,
-    pub(super) differences: &'a mut Differences,
+    pub(super) table: &'a mut [f64],
+    /// Write the increment alone.
+    pub(super) compensates: bool,
     pub(super) vectors: &'a mut Vectors,
 }
 
@@ -91,16 +86,15 @@ impl BlockKernel for Predict<'_> {
                 .iter()
                 .all(|&beta| beta == 1.0)
         );
-        let compensates = self.differences.compensates();
+        let all = self.vectors;
         let mut stars = Stars {
             beta: &c.beta[..self.order],
             g: &c.g[..self.order],
-            newest: std::mem::take(&mut self.differences.newest),
-            rows: DifferenceRows::<S>::of(simd, self.differences),
+            newest: self.newest,
+            rows: DifferenceRows::<S>::new(simd, self.table, all.y.len()),
         };
-        let all = self.vectors;
         let step = Lanes::splat(simd, self.step);
-        let y = (!compensates).then_some(vectors::<S>(&all.y, blocks));
+        let y = (!self.compensates).then_some(vectors::<S>(&all.y, blocks));
         let predicted = vectors_mut::<S>(&mut all.predicted, blocks);
         if let [predicted] = predicted {
             // One vector: no loop.
@@ -254,9 +248,9 @@ impl BlockKernel for UndoPrediction<'_> {
 /// [`Predict`] adds the newest difference to the rows before it.
 pub(super) struct UpdateDifferences<'a> {
     pub(super) order: usize,
-    pub(super) differences: &'a mut Differences,
+    pub(super) table: &'a mut [f64],
     pub(super) vectors: &'a Vectors,
-    pub(super) norm: &'a ErrorNorm,
+    pub(super) inverse_weight: &'a [f64],
     pub(super) above: bool,
 }
 
@@ -273,9 +267,9 @@ impl BlockKernel for UpdateDifferences<'_> {
         let derivative = &self.vectors.derivative;
         let mut newest = Newest {
             order: self.order,
-            rows: DifferenceRows::<S>::of(simd, self.differences),
+            rows: DifferenceRows::<S>::new(simd, self.table, derivative.len()),
             derivative: vectors::<S>(derivative, blocks),
-            inverse_weight: vectors::<S>(&self.norm.inverse_weight, blocks),
+            inverse_weight: vectors::<S>(self.inverse_weight, blocks),
         };
         match (self.above, blocks) {
             (false, _) => {
@@ -324,12 +318,12 @@ impl<S: Simd> Newest<'_, S> {
 
 /// Weighted sums of squares of the error estimates: `f(p) - φ*_1`, and the same plus φ*_k and φ*_{k-1} for the lower orders.
 pub(super) struct Errors<'a> {
-    pub(super) history: &'a History,
-    pub(super) step: &'a NextStep,
-    pub(super) norm: &'a ErrorNorm,
+    /// φ*_1, φ*_k and φ*_{k-1}.
+    pub(super) rows: [&'a [f64]; 3],
+    pub(super) inverse_weight: &'a [f64],
     pub(super) vectors: &'a mut Vectors,
-    /// Write the corrected value `y = p + h g_{k+1} (f(p) - φ*_1)` in the same pass.
-    pub(super) correct: bool,
+    /// h g_{k+1}: write the corrected value `y = p + h g_{k+1} (f(p) - φ*_1)` in the same pass.
+    pub(super) correction: Option<f64>,
 }
 
 impl BlockKernel for Errors<'_> {
@@ -343,23 +337,15 @@ impl BlockKernel for Errors<'_> {
     #[inline(always)]
     fn with_blocks<S: Simd>(self, simd: S, blocks: usize) -> [f64; 3] {
         let all = self.vectors;
-        let NextStep { order, size, .. } = *self.step;
-        let [first, one_below, two_below] = self.history.differences.rows_of_errors(order);
         let mut changes = Changes::<S> {
             simd,
             derivative: vectors::<S>(&all.derivative, blocks),
-            rows: [
-                vectors::<S>(first, blocks),
-                vectors::<S>(one_below, blocks),
-                vectors::<S>(two_below, blocks),
-            ],
-            inverse_weight: vectors::<S>(&self.norm.inverse_weight, blocks),
-            correction: self.correct.then(|| {
-                (
-                    Lanes::splat(simd, size * self.history.coefficients.g[order]),
-                    vectors::<S>(&all.predicted, blocks),
-                    vectors_mut::<S>(&mut all.trial, blocks),
-                )
+            rows: self.rows.map(|row| vectors::<S>(row, blocks)),
+            inverse_weight: vectors::<S>(self.inverse_weight, blocks),
+            correction: self.correction.map(|weight| Correction {
+                weight: Lanes::splat(simd, weight),
+                predicted: vectors::<S>(&all.predicted, blocks),
+                corrected: vectors_mut::<S>(&mut all.trial, blocks),
             }),
         };
         if blocks == 1 {
@@ -389,8 +375,15 @@ struct Changes<'a, S: Simd> {
     derivative: &'a [S::f64s],
     rows: [&'a [S::f64s]; 3],
     inverse_weight: &'a [S::f64s],
-    /// Weight, predicted and corrected value.
-    correction: Option<(Lanes<S>, &'a [S::f64s], &'a mut [S::f64s])>,
+    correction: Option<Correction<'a, S>>,
+}
+
+/// Corrected value of a step, and what it follows from.
+struct Correction<'a, S: Simd> {
+    /// h g_{k+1}
+    weight: Lanes<S>,
+    predicted: &'a [S::f64s],
+    corrected: &'a mut [S::f64s],
 }
 
 impl<S: Simd> Changes<'_, S> {
@@ -403,9 +396,9 @@ impl<S: Simd> Changes<'_, S> {
         // f(p) - φ*_1; at lower orders φ*_k and φ*_{k-1} belong to the difference.
         let change = load(simd, &self.derivative[b]) - load(simd, &first[b]);
         // y = p + h g_{k+1} (f(p) - φ*_1).
-        if let Some((weight, predicted, corrected)) = &mut self.correction {
-            let predicted = load(simd, &predicted[b]);
-            corrected[b] = change.mul_add(*weight, predicted).values();
+        if let Some(correction) = &mut self.correction {
+            let predicted = load(simd, &correction.predicted[b]);
+            correction.corrected[b] = change.mul_add(correction.weight, predicted).values();
         }
         [
             change * weight,

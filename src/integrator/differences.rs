@@ -9,21 +9,20 @@ use super::coefficients::Coefficients;
 use super::difference_kernels::{Predict, UndoPrediction, UpdateDifferences};
 use super::newton_kernels::{NewtonDifference, PredictForNewton};
 use super::vectors::Vectors;
-use super::weights::ErrorNorm;
 use crate::math::simd::{InstructionSet, Numbers, padded, padded_zeros};
 
 /// Differences `φ_1` … φ_{k+2} of the derivative, one row each, and the compensation of rounding at tight tolerances.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Differences {
     /// Row i holds φ_{i+1} of every component, padded.
-    pub(super) table: Numbers,
+    table: Numbers,
     dimension: usize,
     /// Length of a row, padded.
-    pub(super) width: usize,
+    width: usize,
     /// Index of the newest difference, whose addition to the rows before it is deferred to the next prediction; zero for none.
     ///
     /// The deferral saves one pass over the table per step.
-    pub(super) newest: usize,
+    newest: usize,
     /// Compensation of rounding, for tolerances near rounding (`NORND` of STEP).
     compensation: Option<Compensation>,
 }
@@ -140,8 +139,10 @@ impl Differences {
         set.run_blocks(Predict {
             coefficients: c,
             order,
+            newest: std::mem::take(&mut self.newest),
             step: h,
-            differences: &mut *self,
+            table: &mut self.table,
+            compensates: self.compensation.is_some(),
             vectors: &mut *vectors,
         });
         if let Some(compensation) = &mut self.compensation {
@@ -263,16 +264,16 @@ impl Differences {
         set: InstructionSet,
         order: usize,
         vectors: &Vectors,
-        norm: &ErrorNorm,
+        inverse_weight: &[f64],
         above: bool,
     ) -> f64 {
         // Deferred addition to the rows before, as above.
         self.newest = order;
         set.run_blocks(UpdateDifferences {
             order,
-            differences: self,
+            table: &mut self.table,
             vectors,
-            norm,
+            inverse_weight,
             above,
         })
     }

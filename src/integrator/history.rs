@@ -86,11 +86,10 @@ impl History {
         correct: bool,
     ) -> ErrorEstimate {
         let sums = set.run_blocks(Errors {
-            history: self,
-            step,
-            norm,
+            rows: self.differences.rows_of_errors(step.order),
+            inverse_weight: &norm.inverse_weight,
             vectors,
-            correct,
+            correction: correct.then(|| step.size * self.coefficients.g[step.order]),
         });
         self.estimate_from(step, norm, sums)
     }
@@ -117,7 +116,8 @@ impl History {
         above: bool,
     ) -> f64 {
         (self.last_order, self.last_step_size) = (k, h);
-        norm.of_sum(self.differences.update(set, k, vectors, norm, above))
+        let weights = &norm.inverse_weight;
+        norm.of_sum(self.differences.update(set, k, vectors, weights, above))
     }
 
     /// Replace the differences after an implicit step that needs the newest one only; `ends`: predicted and new velocities.
