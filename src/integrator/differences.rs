@@ -465,6 +465,62 @@ mod tests {
         }
     }
 
+    /// Predict and update a system of `dimension` components, of which the first `count` are not zero; return predicted values and rows of
+    /// these, and the sum of squares.
+    fn bits_of_a_step(
+        set: InstructionSet,
+        (dimension, count): (usize, usize),
+        (order, newest): (usize, usize),
+    ) -> Vec<u64> {
+        let mut table = Differences::new(dimension);
+        let width = table.width;
+        for (i, value) in table.table.iter_mut().enumerate() {
+            if i % width < count {
+                *value = ((7 * (i / width) + i % width) as f64).sin();
+            }
+        }
+        table.newest = newest;
+        let mut c = Coefficients::new();
+        let mut last = (0.0, 0);
+        for (i, h) in [0.1, 0.3, 0.2, 0.4, 0.25].into_iter().enumerate() {
+            c.update(h, (i + 1).min(order), last.0, last.1);
+            last = (h, (i + 1).min(order));
+        }
+        let mut vectors = Vectors::new(dimension);
+        let mut weights = padded_zeros(dimension);
+        for i in 0..count {
+            (vectors.y[i], vectors.derivative[i]) = (1.0 + i as f64, (i as f64).cos());
+            weights[i] = 3.0 + i as f64;
+        }
+        table.predict(set, &c, order, 0.25, &mut vectors);
+        let predicted = vectors.predicted[..count].to_vec();
+        let stars: Vec<f64> = table
+            .table
+            .chunks(width)
+            .flat_map(|row| row[..count].to_vec())
+            .collect();
+        let sum = table.update(set, order, &vectors, &weights, true);
+        let rows = table
+            .table
+            .chunks(width)
+            .flat_map(|row| row[..count].to_vec());
+        let all = predicted.into_iter().chain(stars).chain(rows).chain([sum]);
+        all.map(f64::to_bits).collect()
+    }
+
+    #[test]
+    fn a_system_of_one_vector_has_the_bits_of_the_same_components_in_a_longer_one() {
+        for set in InstructionSet::available() {
+            for count in [1, 2, 3, 4, 7, 8] {
+                for (order, newest) in (1..=5).flat_map(|k| (0..=6).map(move |i| (k, i))) {
+                    let alone = bits_of_a_step(set, (count, count), (order, newest));
+                    let longer = bits_of_a_step(set, (count + 16, count), (order, newest));
+                    assert_eq!(alone, longer, "{}, {count}, {order}, {newest}", set.name());
+                }
+            }
+        }
+    }
+
     #[test]
     fn the_predicted_value_is_compensated_and_its_rounding_kept() {
         let mut table = Differences::new(1);

@@ -149,11 +149,9 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             self.evaluations += 1;
             powers_at(wanted, part, step.start + part * length)
         };
-        // Powers before the step, at their places in parts of this step.
         let last_start = (self.start < self.end).then(|| (self.start, self.powers[0]));
-        let before = (last_start.as_ref()).map(|(t, powers)| ((t - step.start) / length, powers));
-        let other = (self.interpolation.other.as_ref())
-            .map(|(t, powers)| ((t - step.start) / length, powers));
+        let before = in_parts_of(step, last_start.as_ref());
+        let other = in_parts_of(step, self.interpolation.other.as_ref());
         let scale = decisive(&at_start).max(decisive(&at_end)).max(mean_power);
         let near = interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
         let near = [PREDICTED_SHARE * near, near];
@@ -250,6 +248,11 @@ impl<P: PowerSum> EnergyQuadrature<P> {
     }
 }
 
+/// Return powers before a step, with their place in parts of it.
+fn in_parts_of<'a, P>(step: &Step, node: Option<&'a (f64, P)>) -> Option<(f64, &'a P)> {
+    node.map(|(t, powers)| ((t - step.start) / (step.end - step.start), powers))
+}
+
 /// Return the power that errors are compared with \[W\].
 fn decisive<P: PowerSum>(power: &P) -> f64 {
     let [dissipated, external] = power.totals();
@@ -258,6 +261,7 @@ fn decisive<P: PowerSum>(power: &P) -> f64 {
 
 /// Return the mean of powers at equal distances by Simpson's rule.
 fn simpson_mean<P: PowerSum>(powers: &[P]) -> P {
+    // Most steps have one panel; their sums stay in registers.
     if let [start, middle, end] = powers {
         return P::combined([(1.0 / 6.0, start), (4.0 / 6.0, middle), (1.0 / 6.0, end)]);
     }

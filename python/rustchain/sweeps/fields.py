@@ -14,7 +14,7 @@ from rustchain.names import nearest_name, suggest
 # Of the many last names of fields, some are like any word: friction is to direction as 0.71.
 _LIKENESS_OF_FIELDS = 0.75
 _LIKENESS_OF_PARTS = 0.6  # body and bodies
-_PARTS = 100  # in which the field of another part is looked for
+_PARTS = 100  # of a sequence, in which a field is looked for
 _NUMBER = re.compile(r"(?<=\.)\d+(?=[.']|$)")
 
 
@@ -32,8 +32,8 @@ def field_names(kind: type) -> tuple[str, ...]:
 def nearest(name: str, known: Sequence[str], why: Callable[[str], str | None]) -> str:
     """Return which of the `known` names an unknown one may mean, with its own numbers.
 
-    Each part of it is compared with the fields that exist at its place. A name that `why` gives a
-    reason against is not proposed, but the same field of another part, or the reason is returned.
+    Each part of it is compared with the fields that exist at its place. Where `why` gives a reason
+    against the name found, the same field of another part is proposed, or the reason is returned.
     """
     if re.search(r"\[\d+\]", name):
         dotted = re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) + 1}", name)
@@ -41,11 +41,14 @@ def nearest(name: str, known: Sequence[str], why: Callable[[str], str | None]) -
     meant = _meant(name, known)
     if isinstance(meant, list):
         return (any(map(why, meant)) and why(name)) or suggest(None, meant)
-    if why(meant) is None:
-        return f"did you mean {meant!r}?"
-    others = (meant.replace(".1.", f".{number}.", 1) for number in range(2, _PARTS))
-    other = next((each for each in others if each != meant and why(each) is None), None)
-    return why(name) or (f"did you mean {other!r}?" if other else why(meant)) or ""
+    reason = why(meant)
+    if reason is not None:
+        others = (meant.replace(".1.", f".{number}.", 1) for number in range(2, _PARTS))
+        other = next((each for each in others if why(each) is None), None)
+        if other is None or why(name):
+            return why(name) or reason
+        meant = other
+    return f"did you mean {meant!r}?"
 
 
 def _meant(name: str, known: Sequence[str]) -> str | list[str]:

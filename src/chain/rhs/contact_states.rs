@@ -47,38 +47,42 @@ impl Kernels {
 
     /// Return the force of each hinge that rows have, at the last evaluation \[N\]: the normal force, or with lubricant the whole force.
     pub(crate) fn hinge_forces(&self, model: &Model) -> impl Iterator<Item = f64> {
-        let lubricated = model.hinges.film.is_some();
-        let forces = self.normal_hinge_forces(model).enumerate();
-        forces.map(move |(k, force)| {
-            if lubricated {
-                self.chain.lubricated_force[k]
-            } else {
-                force
-            }
-        })
+        self.or_ideal(model, self.contact_forces(model))
     }
 
-    /// Write the forces that [`Self::hinge_forces`] returns.
+    /// Write the same forces.
     pub(crate) fn write_hinge_forces(&self, model: &Model, forces: &mut [f64]) {
-        if self.ideal.is_some() {
-            for (to, force) in forces.iter_mut().zip(self.hinge_forces(model)) {
-                *to = force;
-            }
-        } else {
-            let from = if model.hinges.film.is_some() {
-                &self.chain.lubricated_force
-            } else {
-                &self.chain.force
-            };
-            forces.copy_from_slice(&from[..model.links]);
+        if self.ideal.is_none() {
+            forces.copy_from_slice(&self.contact_forces(model)[..model.links]);
+            return;
+        }
+        for (to, force) in forces.iter_mut().zip(self.hinge_forces(model)) {
+            *to = force;
         }
     }
 
     /// Return the normal force of each hinge at the last evaluation, or the force of each ideal one \[N\].
     pub(crate) fn normal_hinge_forces(&self, model: &Model) -> impl Iterator<Item = f64> {
-        (0..model.links).map(|k| match &self.ideal {
+        self.or_ideal(model, &self.chain.force)
+    }
+
+    /// Return the forces of hinges with contacts that rows have \[N\].
+    fn contact_forces(&self, model: &Model) -> &[f64] {
+        match model.hinges.film {
+            Some(_) => &self.chain.lubricated_force,
+            None => &self.chain.force,
+        }
+    }
+
+    /// Return the forces of ideal hinges, or these `forces` of hinges with contacts \[N\].
+    fn or_ideal<'a>(
+        &'a self,
+        model: &Model,
+        forces: &'a [f64],
+    ) -> impl Iterator<Item = f64> + use<'a> {
+        (0..model.links).map(move |k| match &self.ideal {
             Some(ideal) => ideal.force[0][k].hypot(ideal.force[1][k]),
-            None => self.chain.force[k],
+            None => forces[k],
         })
     }
 
