@@ -35,8 +35,8 @@ const LONGEST_WITH_EVENTS: f64 = 2e-10;
 
 /// Growth of the contraction constant in each step that does not measure it.
 ///
-/// An old measurement is trusted less. The better one of 1.2 and 1.5 (decision 20).
-const GROWTH: f64 = 1.2;
+/// An old measurement is trusted less. Smaller growth saves corrections, but makes more steps with a lubricant film (decision 20).
+const GROWTH: f64 = 1.1;
 
 /// Estimate of the convergence of Newton's method from earlier steps.
 ///
@@ -191,8 +191,8 @@ mod tests {
     #[test]
     fn a_contraction_constant_is_trusted_less_each_step_and_forgotten_at_a_restart() {
         let control = StepControl::default();
-        let mut convergence = measured(0.02);
-        // 0.08, 0.096 and 0.115 of the tolerance.
+        let mut convergence = measured(0.0212);
+        // 0.085, 0.093 and 0.103 of the tolerance.
         let skipped = [(); 3].map(|()| convergence.may_skip_second_correction(&control, 2.0, 1.0));
         assert_eq!(skipped, [true, true, false]);
         assert!(!convergence.unmeasured);

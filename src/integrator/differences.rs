@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::MAX_ORDER;
 use super::coefficients::Coefficients;
 use super::difference_kernels::{Predict, UndoPrediction, UpdateDifferences};
-use super::newton_kernels::{NewtonDifference, PredictForNewton};
+use super::newton_kernels::PredictForNewton;
 use super::vectors::Vectors;
 use crate::math::simd::{InstructionSet, Numbers, padded, padded_zeros};
 
@@ -180,26 +180,16 @@ impl Differences {
         });
     }
 
-    /// Append the newest difference of a solution of Newton's method; see [`NewtonDifference`].
-    pub(super) fn append_newton_difference(
-        &mut self,
-        set: InstructionSet,
-        order: usize,
-        inverse_gamma: f64,
-        [predicted, trial]: [&[f64]; 2],
-    ) {
-        let n = trial.len();
+    /// Return φ*_1, and the row of the newest difference of a step at `order`.
+    pub(super) fn first_and_newest(&mut self, order: usize) -> (&[f64], &mut [f64]) {
+        let (before, from) = self.table.split_at_mut(order * self.width);
+        (&before[..self.width], &mut from[..self.width])
+    }
+
+    /// Append the newest difference of a step at `order`, which its last correction has written.
+    pub(super) fn append_newest(&mut self, order: usize) {
         // The rows before the newest one receive it in the next prediction.
         self.newest = order;
-        let (before, from) = self.table.split_at_mut(order * self.width);
-        let (newest_q, newest_v) = from[..2 * n].split_at_mut(n);
-        set.run(NewtonDifference {
-            inverse_gamma,
-            predicted,
-            trial,
-            phi_1: &before[..n],
-            rows: (newest_q, newest_v),
-        });
     }
 
     /// Return φ*_1 and, above order one, φ*_2 of the last step, and its newest difference; valid until the next prediction.

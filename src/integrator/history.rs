@@ -120,17 +120,10 @@ impl History {
         norm.of_sum(self.differences.update(set, k, vectors, weights, above))
     }
 
-    /// Replace the differences after an implicit step that needs the newest one only; `ends`: predicted and new velocities.
-    pub(super) fn update_by_newest_difference(
-        &mut self,
-        set: InstructionSet,
-        (k, h): (usize, f64),
-        inverse_gamma: f64,
-        ends: [&[f64]; 2],
-    ) {
+    /// Replace the differences after an implicit step of order `k` and size `h` whose corrections have written the newest one.
+    pub(super) fn update_by_newest_difference(&mut self, (k, h): (usize, f64)) {
         (self.last_order, self.last_step_size) = (k, h);
-        self.differences
-            .append_newton_difference(set, k, inverse_gamma, ends);
+        self.differences.append_newest(k);
     }
 
     /// Return whether steps were equal for long enough to estimate the error of one order more after a step of order `k`.

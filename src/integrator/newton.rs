@@ -83,8 +83,8 @@ impl Adams {
             self.next.size = self.next.size.min(FIRST_STEP);
         }
         let begin = self.time;
-        let estimate = self.repeat_until_accepted(system)?;
-        let above = self.accept_newton(system.coordinates());
+        let (estimate, newest_only) = self.repeat_until_accepted(system)?;
+        let above = self.accept_newton(newest_only);
         self.choose_implicit_order_and_step(&estimate, above);
         if self.control.corrector == Corrector::Auto {
             self.check_switch_to_explicit();
@@ -96,18 +96,20 @@ impl Adams {
         })
     }
 
-    /// Solve the corrector with smaller and smaller steps until the iteration converges and the error test accepts the step.
+    /// Solve the corrector with smaller and smaller steps until the iteration converges and the error test accepts the step. Return the
+    /// error, and whether the corrections have written the newest difference.
     fn repeat_until_accepted(
         &mut self,
         system: &mut impl SecondOrderSystem,
-    ) -> Result<ErrorEstimate, StepFailure> {
+    ) -> Result<(ErrorEstimate, bool), StepFailure> {
         let nq = system.coordinates();
         let mut failures = 0;
         loop {
             // One attempt: predicted value, local unknowns, Newton's method, error test, events.
             self.predict_implicit(nq);
             self.begin_implicit_stage(system);
-            let estimate = self.solve_corrector(system);
+            let newest_only = self.needs_newest_difference_only(nq);
+            let estimate = self.solve_corrector(system, newest_only);
             system.begin_implicit_stage(None);
             let Some(estimate) = estimate else {
                 // No convergence tells nothing about the error: a fixed factor.
@@ -133,7 +135,7 @@ impl Adams {
                     factor.clamp(smallest, largest)
                 }
             } else if system.accepts_step(self.next.size, self.allowed()) {
-                return Ok(estimate);
+                return Ok((estimate, newest_only));
             } else {
                 // An event inside: the error is within the tolerance, the step too long for the contact.
                 HIDDEN_EVENT
@@ -142,10 +144,10 @@ impl Adams {
         }
     }
 
-    /// Choose the next order and step size; `above` is |φ_{k+2}|.
+    /// Choose the next order and step size; `above` is |φ_{k+2}|, `None` after a step that needed the newest difference only.
     ///
     /// Orders above two are permitted only where the fastest rate is inside their stability region.
-    fn choose_implicit_order_and_step(&mut self, estimate: &ErrorEstimate, above: f64) {
+    fn choose_implicit_order_and_step(&mut self, estimate: &ErrorEstimate, above: Option<f64>) {
         let (k, h) = (self.history.last_order, self.history.last_step_size);
         let max_order = self.highest_order(k, h);
         // Order two at the start would leave its error in the energy of vibrations that later steps resolve.
@@ -159,15 +161,18 @@ impl Adams {
         let (order, error) = if k > max_order {
             let norm = (self.history).norm_of_difference(self.instructions, &self.norm, max_order);
             (max_order, scale(max_order) * norm)
-        // Up to the trapezoidal rule the order rises without an estimate one order up.
-        } else if k < A_STABLE || max_order <= A_STABLE {
-            (lowest, estimate.local)
-        } else {
+        } else if let Some(above) = above
+            && k >= A_STABLE
+            && max_order > A_STABLE
+        {
             // Inside the stability region the choice is that of the explicit corrector.
             let one_above = || scale(k + 1) * above;
             let raise = self.history.may_raise(k, self.control.max_order);
             let choice = choose_order(k, max_order, estimate, raise, one_above);
             (choice.order, choice.error)
+        } else {
+            // Up to the trapezoidal rule the order rises without an estimate one order up.
+            (lowest, estimate.local)
         };
         // The step size follows from the error of the order that is taken.
         let (order, error) = if order < lowest {
@@ -204,22 +209,18 @@ impl Adams {
         alone && self.vectors.dimension == 2 * nq
     }
 
-    /// Accept the solution; return |φ_{k+2}| where the order may be raised.
-    fn accept_newton(&mut self, nq: usize) -> f64 {
+    /// Accept the solution; return |φ_{k+2}|, zero where the order may not be raised, and `None` where `newest_only` is written.
+    fn accept_newton(&mut self, newest_only: bool) -> Option<f64> {
         let (k, h) = (self.next.order, self.next.size);
-        let (set, plain) = (self.instructions, self.needs_newest_difference_only(nq));
         // φ_{k+2} is a second pass over the table: only where it may decide.
         let raise = (self.history).may_raise(k, self.highest_order(k, h));
         let (history, vectors) = (&mut self.history, &mut self.vectors);
         history.differences.forget_rounding();
-        let above = if plain {
-            let inverse_gamma = 1.0 / history.gamma(&self.next);
-            let velocities = nq..2 * nq;
-            let ends = [&vectors.predicted, &vectors.trial].map(|v| &v[velocities.clone()]);
-            history.update_by_newest_difference(set, (k, h), inverse_gamma, ends);
-            0.0
+        let above = if newest_only {
+            history.update_by_newest_difference((k, h));
+            None
         } else {
-            history.update(set, (k, h), &self.norm, vectors, raise)
+            Some(history.update(self.instructions, (k, h), &self.norm, vectors, raise))
         };
         // No last evaluation: the derivative follows from the corrector's equation.
         std::mem::swap(&mut vectors.y, &mut vectors.trial);

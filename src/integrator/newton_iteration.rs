@@ -57,10 +57,12 @@ impl Adams {
 
     /// Solve the corrector from the predicted value; return the error of the step, or `None` without convergence.
     ///
-    /// The matrix is made once, at the predicted value (simplified Newton iteration).
+    /// The matrix is made once, at the predicted value (simplified Newton iteration). `newest_only`: the table of differences needs the newest
+    /// one only, which the corrections write.
     pub(super) fn solve_corrector(
         &mut self,
         system: &mut impl SecondOrderSystem,
+        newest_only: bool,
     ) -> Option<ErrorEstimate> {
         let nq = system.coordinates();
         let gamma = self.history.gamma(&self.next);
@@ -75,7 +77,9 @@ impl Adams {
             // Δ = (1 - γ ∂a/∂v - γ² ∂a/∂q)⁻¹ r, with the factors of the first iterate.
             system.correct(&mut self.vectors.residual[..nq]);
             system.correct_sum_rates(&mut self.vectors.derivative[2 * nq..self.vectors.dimension]);
-            let applied = self.apply_correction(nq, gamma);
+            // Local unknowns have left the predicted value already.
+            let at_prediction = first && system.local_unknowns().is_empty();
+            let applied = self.apply_correction(nq, gamma, (newest_only, at_prediction));
             if first {
                 // The ratio |r|/|Δ| measures the stiffness; later residuals are too small for that.
                 let residual = (system.stiffness_residual()).map_or(residual, |free| {
@@ -89,9 +93,9 @@ impl Adams {
             if !size.is_finite() {
                 return None;
             }
+            let squares = [applied.distance, 0.0, 0.0];
+            let estimate = self.history.estimate_from(&self.next, &self.norm, squares);
             let remaining = if first {
-                let squares = [applied.distance, 0.0, 0.0];
-                let estimate = self.history.estimate_from(&self.next, &self.norm, squares);
                 // The error estimate after one correction decides already.
                 if estimate.local > HOPELESS {
                     return Some(estimate);
@@ -100,7 +104,7 @@ impl Adams {
                 let (control, convergence) = (&self.control, &mut self.convergence);
                 // The second correction, c |Δ₁|², may be negligible by the constant c of earlier steps.
                 if convergence.may_skip_second_correction(control, size, safety_factor) {
-                    return Some(self.finish_corrector(nq, gamma, applied.distance));
+                    return Some(self.finish_corrector((nq, gamma), estimate, newest_only));
                 }
                 size
             } else {
@@ -108,7 +112,7 @@ impl Adams {
             };
             // Converged: the remaining corrections are far below the error test.
             if remaining <= REMAINDER {
-                return Some(self.finish_corrector(nq, gamma, applied.distance));
+                return Some(self.finish_corrector((nq, gamma), estimate, newest_only));
             }
             // The first rate may be large after a contact onset; the second one is decisive.
             if iteration > 1 && size / last > SLOWEST_RATE {
@@ -204,25 +208,46 @@ impl Adams {
         0.0
     }
 
-    fn apply_correction(&mut self, nq: usize, gamma: f64) -> Applied {
-        let vectors = &mut self.vectors;
-        self.instructions.run(Apply {
-            gamma,
-            correction: &vectors.residual[..nq],
-            inverse_weight: self.norm.inverse_weight[..2 * nq].split_at(nq),
-            predicted: &vectors.predicted[nq..2 * nq],
-            phi_1: &self.history.differences.row(0)[..nq],
-            trial: vectors.trial[..2 * nq].split_at_mut(nq),
-        })
+    /// Add the correction. `newest_only`: write the newest difference; `at_prediction`: velocities are predicted ones.
+    fn apply_correction(
+        &mut self,
+        nq: usize,
+        gamma: f64,
+        (newest_only, at_prediction): (bool, bool),
+    ) -> Applied {
+        let (vectors, differences) = (&mut self.vectors, &mut self.history.differences);
+        let (phi_1, newest) = differences.first_and_newest(self.next.order);
+        macro_rules! apply {
+            ($newest:literal, $first:literal) => {
+                self.instructions.run(Apply::<$newest, $first> {
+                    gamma,
+                    correction: &vectors.residual[..nq],
+                    inverse_weight: self.norm.inverse_weight[..2 * nq].split_at(nq),
+                    predicted: &vectors.predicted[nq..2 * nq],
+                    phi_1: &phi_1[..nq],
+                    newest: newest[..2 * nq].split_at_mut(nq),
+                    trial: vectors.trial[..2 * nq].split_at_mut(nq),
+                })
+            };
+        }
+        match (newest_only, at_prediction) {
+            (true, true) => apply!(true, true),
+            (true, false) => apply!(true, false),
+            (false, true) => apply!(false, true),
+            (false, false) => apply!(false, false),
+        }
     }
 
-    /// Compute the derivative at the solution from the corrector's equation, and the sums; return the error estimates.
-    ///
-    /// `distance_squares` is the weighted sum of squares of the derivative's distance from the predicted one.
-    fn finish_corrector(&mut self, nq: usize, gamma: f64, distance_squares: f64) -> ErrorEstimate {
-        if self.needs_newest_difference_only(nq) {
-            let squares = [distance_squares, 0.0, 0.0];
-            return self.history.estimate_from(&self.next, &self.norm, squares);
+    /// Compute the derivative at the solution from the corrector's equation, and the sums, unless the newest difference is all that is
+    /// needed; return the error estimates. `estimate` is that of the last correction, at this order alone.
+    fn finish_corrector(
+        &mut self,
+        (nq, gamma): (usize, f64),
+        estimate: ErrorEstimate,
+        newest_only: bool,
+    ) -> ErrorEstimate {
+        if newest_only {
+            return estimate;
         }
         // Higher orders and sums need the derivative itself, for the table of differences.
         let (k, h) = (self.next.order, self.next.size);

@@ -59,9 +59,9 @@ pub(super) struct PredictForNewton<'a> {
 
 /// Constants of [`PredictForNewton`] as SIMD vectors.
 struct LowOrderPredictor<S: Simd> {
-    step: Lanes<S>,
     beta: Lanes<S>,
-    g: [Lanes<S>; 2],
+    /// `h g_1` and `h g_2`.
+    weights: [Lanes<S>; 2],
 }
 
 impl<S: Simd> LowOrderPredictor<S> {
@@ -82,10 +82,13 @@ impl<S: Simd> LowOrderPredictor<S> {
         // Order two: p = y + h (g_1 φ_1 + g_2 β_2 φ_2); order one: p = y + h g_1 φ_1.
         if TWO {
             let phi = second * self.beta;
-            let sum = first.mul_add(self.g[0], phi * self.g[1]);
-            ([phi + first, phi], self.step * sum + y)
+            let with_second = phi.mul_add(self.weights[1], y);
+            (
+                [phi + first, phi],
+                first.mul_add(self.weights[0], with_second),
+            )
         } else {
-            ([first, second], self.step * (first * self.g[0]) + y)
+            ([first, second], first.mul_add(self.weights[0], y))
         }
     }
 }
@@ -115,9 +118,8 @@ impl PredictForNewton<'_> {
         let n = self.predicted.len();
         let gamma = splat(self.gamma);
         let with = LowOrderPredictor::<S> {
-            step: splat(self.step),
             beta: splat(self.beta),
-            g: self.g.map(splat),
+            weights: self.g.map(|g| splat(self.step * g)),
         };
         let (first, rest) = self.table.split_at_mut(self.width);
         let (second, third) = rest.split_at_mut(self.width);
@@ -148,37 +150,6 @@ impl PredictForNewton<'_> {
             first_q.set(at, rows[0]);
             second_q.set(at, rows[1]);
             trial_q.set(at, gamma.mul_add(speed - rows[0], place));
-        });
-    }
-}
-
-/// Write the newest difference of a solution, from the corrector's equation: `v - φ*_q` and `(v - p_v)/γ`.
-pub(super) struct NewtonDifference<'a> {
-    pub(super) inverse_gamma: f64,
-    pub(super) predicted: &'a [f64],
-    pub(super) trial: &'a [f64],
-    /// φ*_1 of the coordinates.
-    pub(super) phi_1: &'a [f64],
-    /// Newest difference of coordinates and of velocities.
-    pub(super) rows: (&'a mut [f64], &'a mut [f64]),
-}
-
-impl WithSimd for NewtonDifference<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let n = self.trial.len();
-        let inverse = Lanes::splat(simd, self.inverse_gamma);
-        let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
-        let trial = SliceLanes::<S>::new(simd, self.trial, n);
-        let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
-        let mut newest_q = SliceLanesMut::<S>::new(simd, self.rows.0, n);
-        let mut newest_v = SliceLanesMut::<S>::new(simd, self.rows.1, n);
-        each_vector!(S, n, |at| {
-            let speed = trial.get(at);
-            newest_q.set(at, speed - phi_1.get(at));
-            newest_v.set(at, (speed - predicted.get(at)) * inverse);
         });
     }
 }
@@ -247,8 +218,9 @@ impl WithSimd for Residual<'_> {
     }
 }
 
-/// Add a correction Δ of the velocities, and γ Δ to the coordinates.
-pub(super) struct Apply<'a> {
+/// Add a correction Δ of the velocities, and γ Δ to the coordinates. `NEWEST`: write the newest difference, too, from the corrector's
+/// equation: `v - φ*_q` and `(v - p_v)/γ`. `FIRST`: v is the predicted value before, so that the latter is Δ/γ.
+pub(super) struct Apply<'a, const NEWEST: bool, const FIRST: bool> {
     pub(super) gamma: f64,
     pub(super) correction: &'a [f64],
     /// Weights of coordinates and of velocities.
@@ -257,6 +229,8 @@ pub(super) struct Apply<'a> {
     pub(super) predicted: &'a [f64],
     /// φ*_1 of the coordinates.
     pub(super) phi_1: &'a [f64],
+    /// Newest difference of coordinates and of velocities; empty where it is not written.
+    pub(super) newest: (&'a mut [f64], &'a mut [f64]),
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }
 
@@ -267,7 +241,7 @@ pub(super) struct Applied {
     pub(super) lengths: f64,
     /// Correction of the velocities.
     pub(super) speeds: f64,
-    /// Newest difference, from which the error estimate follows: `v - φ*_q` and `(v - p_v)/γ`.
+    /// Newest difference, from which the error estimate follows.
     pub(super) distance: f64,
 }
 
@@ -275,6 +249,7 @@ pub(super) struct Applied {
 struct ApplySums<S: Simd> {
     gamma: Lanes<S>,
     inverse: Lanes<S>,
+    /// Of the correction of the coordinates over γ.
     lengths: Squares<S>,
     speeds: Squares<S>,
     distance: Squares<S>,
@@ -292,24 +267,26 @@ struct Operands<S: Simd> {
 }
 
 impl<S: Simd> ApplySums<S> {
-    /// Return corrected coordinates and velocities; add their squares to the sums.
+    /// Return corrected coordinates and velocities, and the newest difference of both; add their squares to the sums.
     #[inline(always)]
-    fn correct(&mut self, part: usize, at: &Operands<S>) -> [Lanes<S>; 2] {
-        // Correction of the coordinates: q follows v with the factor γ.
-        let length = self.gamma * at.change;
+    fn correct<const FIRST: bool>(&mut self, part: usize, at: &Operands<S>) -> [[Lanes<S>; 2]; 2] {
         let v = at.v + at.change;
-        self.lengths.add(part, length * at.weight_q);
+        self.lengths.add(part, at.change * at.weight_q);
         self.speeds.add(part, at.change * at.weight_v);
         // φ_{k+1} of velocities, (v - p_v)/γ, from the corrector's equation.
-        let acceleration = (v - at.predicted) * self.inverse;
+        let distance = if FIRST { at.change } else { v - at.predicted };
+        let newest = [v - at.phi_1, distance * self.inverse];
         // Both differences go into one sum: the error norm is over coordinates and velocities.
-        self.distance.add(part, (v - at.phi_1) * at.weight_q);
-        self.distance.add(part, acceleration * at.weight_v);
-        [at.q + length, v]
+        self.distance.add(part, newest[0] * at.weight_q);
+        if !FIRST {
+            self.distance.add(part, newest[1] * at.weight_v);
+        }
+        // q follows v with the factor γ.
+        [[self.gamma.mul_add(at.change, at.q), v], newest]
     }
 }
 
-impl WithSimd for Apply<'_> {
+impl<const NEWEST: bool, const FIRST: bool> WithSimd for Apply<'_, NEWEST, FIRST> {
     type Output = Applied;
 
     #[inline(always)]
@@ -322,6 +299,9 @@ impl WithSimd for Apply<'_> {
         let phi_1 = SliceLanes::<S>::new(simd, self.phi_1, n);
         let mut q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
         let mut v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
+        let written = if NEWEST { n } else { 0 };
+        let mut newest_q = SliceLanesMut::<S>::new(simd, self.newest.0, written);
+        let mut newest_v = SliceLanesMut::<S>::new(simd, self.newest.1, written);
         let mut sums = ApplySums {
             gamma: Lanes::splat(simd, self.gamma),
             inverse: Lanes::splat(simd, 1.0 / self.gamma),
@@ -339,14 +319,21 @@ impl WithSimd for Apply<'_> {
                 q: q.get(at),
                 v: v.get(at),
             };
-            let [to_q, to_v] = sums.correct(part, &values);
-            q.set(at, to_q);
-            v.set(at, to_v);
+            let [ends, newest] = sums.correct::<FIRST>(part, &values);
+            q.set(at, ends[0]);
+            v.set(at, ends[1]);
+            if NEWEST {
+                newest_q.set(at, newest[0]);
+                newest_v.set(at, newest[1]);
+            }
         });
+        let speeds = sums.speeds.total();
+        let gamma_squared = self.gamma * self.gamma;
+        let of_velocities = if FIRST { speeds / gamma_squared } else { 0.0 };
         Applied {
-            lengths: sums.lengths.total(),
-            speeds: sums.speeds.total(),
-            distance: sums.distance.total(),
+            lengths: gamma_squared * sums.lengths.total(),
+            speeds,
+            distance: sums.distance.total() + of_velocities,
         }
     }
 }
@@ -472,23 +459,6 @@ mod tests {
     }
 
     #[test]
-    fn the_newest_difference_follows_from_the_equation_of_the_corrector() {
-        let [predicted, trial, phi] = [1.0, 2.0, 3.0].map(|seed| numbers(seed, N));
-        for set in InstructionSet::available() {
-            let (mut newest_q, mut newest_v) = (vec![0.0; N], vec![0.0; N]);
-            set.run(NewtonDifference {
-                inverse_gamma: 1.0 / GAMMA,
-                predicted: &predicted,
-                trial: &trial,
-                phi_1: &phi,
-                rows: (&mut newest_q, &mut newest_v),
-            });
-            near(&newest_q, |i| trial[i] - phi[i]);
-            near(&newest_v, |i| (trial[i] - predicted[i]) / GAMMA);
-        }
-    }
-
-    #[test]
     fn residuals_are_those_of_the_equation_of_the_corrector() {
         let [predicted, trial, derivative, phi, weight] =
             [1.0, 2.0, 3.0, 4.0, 5.0].map(|seed| numbers(seed, N));
@@ -516,31 +486,61 @@ mod tests {
         }
     }
 
+    /// Apply a correction; return coordinates, velocities and newest difference, and the sums.
+    fn applied<const NEWEST: bool, const FIRST: bool>(
+        set: InstructionSet,
+        [change, weight_q, weight_v, predicted, phi, q, v]: &[Vec<f64>; 7],
+    ) -> ([Vec<f64>; 4], [f64; 3]) {
+        let (mut trial_q, mut trial_v) = (q.clone(), v.clone());
+        let length = if NEWEST { N } else { 0 };
+        let (mut newest_q, mut newest_v) = (vec![0.0; length], vec![0.0; length]);
+        let sums = set.run(Apply::<NEWEST, FIRST> {
+            gamma: GAMMA,
+            correction: change,
+            inverse_weight: (weight_q, weight_v),
+            predicted,
+            phi_1: phi,
+            newest: (&mut newest_q, &mut newest_v),
+            trial: (&mut trial_q, &mut trial_v),
+        });
+        let sums = [sums.lengths, sums.speeds, sums.distance];
+        ([trial_q, trial_v, newest_q, newest_v], sums)
+    }
+
     #[test]
     fn a_correction_moves_the_coordinates_by_gamma_and_is_measured_in_weights() {
-        let [change, weight_q, weight_v, predicted, phi, q, v] =
-            [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|seed| numbers(seed, N));
-        let end = |i: usize| v[i] + change[i];
-        for set in InstructionSet::available() {
-            let (mut trial_q, mut trial_v) = (q.clone(), v.clone());
-            let sums = set.run(Apply {
-                gamma: GAMMA,
-                correction: &change,
-                inverse_weight: (&weight_q, &weight_v),
-                predicted: &predicted,
-                phi_1: &phi,
-                trial: (&mut trial_q, &mut trial_v),
-            });
-            near(&trial_q, |i| q[i] + GAMMA * change[i]);
-            near(&trial_v, end);
+        let mut operands = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0].map(|seed| numbers(seed, N));
+        for first in [false, true] {
+            if first {
+                // The first correction begins at the predicted velocities.
+                operands[3] = operands[6].clone();
+            }
+            let [change, weight_q, weight_v, predicted, phi, q, v] = &operands;
+            let end = |i: usize| v[i] + change[i];
+            let acceleration = |i: usize| (end(i) - predicted[i]) / GAMMA;
             let lengths = sum_of(|i| GAMMA * change[i] * weight_q[i]);
             let speeds = sum_of(|i| change[i] * weight_v[i]);
-            let rates = sum_of(|i| (end(i) - phi[i]) * weight_q[i]);
-            let accelerations = sum_of(|i| (end(i) - predicted[i]) / GAMMA * weight_v[i]);
-            let expected = [lengths, speeds, rates + accelerations];
-            let found = [sums.lengths, sums.speeds, sums.distance];
-            for (found, expected) in found.into_iter().zip(expected) {
-                assert!((found / expected - 1.0).abs() < 1e-14);
+            let distance = sum_of(|i| (end(i) - phi[i]) * weight_q[i])
+                + sum_of(|i| acceleration(i) * weight_v[i]);
+            for set in InstructionSet::available() {
+                let (vectors, found) = if first {
+                    applied::<true, true>(set, &operands)
+                } else {
+                    applied::<true, false>(set, &operands)
+                };
+                near(&vectors[0], |i| q[i] + GAMMA * change[i]);
+                near(&vectors[1], end);
+                near(&vectors[2], |i| end(i) - phi[i]);
+                near(&vectors[3], acceleration);
+                for (found, expected) in found.into_iter().zip([lengths, speeds, distance]) {
+                    assert!((found / expected - 1.0).abs() < 1e-14);
+                }
+                let (without, sums) = if first {
+                    applied::<false, true>(set, &operands)
+                } else {
+                    applied::<false, false>(set, &operands)
+                };
+                assert_eq!((&without[..2], sums), (&vectors[..2], found));
             }
         }
     }

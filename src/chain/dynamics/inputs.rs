@@ -21,6 +21,8 @@ pub(super) struct Inputs {
     pub(super) set: Vec<Input>,
     /// Time of the next kink of an input \[s\]; -inf before its first evaluation.
     kink: f64,
+    /// Longest step until then that resolves the inputs \[s\].
+    between: f64,
 }
 
 impl Inputs {
@@ -29,6 +31,7 @@ impl Inputs {
             compiled: Arc::clone(compiled),
             set: Vec::new(),
             kink: f64::NEG_INFINITY,
+            between: f64::INFINITY,
         }
     }
 }
@@ -68,13 +71,15 @@ impl Dynamics {
         Ok(true)
     }
 
-    /// Return the time from `t` to the next kink of an input, at which steps end \[s\].
-    pub(super) fn time_to_kink(&mut self, t: f64) -> f64 {
+    /// Return the longest step from `t` to the next kink of an input, at which steps end, and one that resolves the inputs until then \[s\].
+    pub(super) fn longest_step_of_inputs(&mut self, t: f64) -> f64 {
         // A kink reached to within rounding counts as past.
-        if self.inputs.kink <= t + SHORTEST_TO_KINK {
-            self.inputs.kink = self.model.next_kink(t + SHORTEST_TO_KINK);
+        let now = t + SHORTEST_TO_KINK;
+        if self.inputs.kink <= now {
+            self.inputs.kink = self.model.next_kink(now);
+            self.inputs.between = self.model.longest_step_between_kinks(now);
         }
-        self.inputs.kink - t
+        (self.inputs.kink - t).min(self.inputs.between)
     }
 
     /// Restart the integrator at a row of an end's velocity table, where the acceleration of an anchored end is discontinuous.

@@ -61,10 +61,8 @@ impl System for Dynamics {
     }
 
     fn longest_step(&mut self, adams: &Adams) -> f64 {
-        let t = adams.time();
-        let to_kink = self.time_to_kink(t);
-        let between = self.model.longest_step_between_kinks(t);
-        self.longest_step_past_teeth().min(to_kink).min(between)
+        let of_inputs = self.longest_step_of_inputs(adams.time());
+        self.longest_step_past_teeth().min(of_inputs)
     }
 
     /// Use the contacts of the last evaluation, that of the failed step; without any, those of the dense output at `time`.

@@ -200,7 +200,7 @@ impl Model {
         knots.chain(ramps).fold(f64::INFINITY, f64::min)
     }
 
-    /// Return the longest step from `t` that resolves the variation of speeds and torques between their knots \[s\].
+    /// Return the longest step from `t` to the next knot that resolves the variation of speeds and torques until then \[s\].
     pub(crate) fn longest_step_between_kinks(&self, t: f64) -> f64 {
         let steps = self
             .signals()

@@ -64,17 +64,38 @@ pub(super) struct Corner {
     matrix: Dense,
     /// Inverse in row-major order, for sizes up to 2x2.
     inverse: [f64; 4],
+    /// Mass or moment of inertia of each coordinate.
+    inertias: Vec<f64>,
     /// Diagonal entries without teeth.
     own: Vec<f64>,
 }
 
 impl Corner {
-    /// Allocate a block of `size` coordinates.
-    pub(super) fn new(size: usize) -> Self {
+    /// Allocate the block of the coordinates of `model`.
+    pub(super) fn of(model: &Model) -> Self {
+        let mut inertias = vec![0.0; model.wheel_coordinates()];
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| {
+                inertias[index - 3 * model.links] = inertia;
+            });
+        }
+        Self::new(inertias)
+    }
+
+    /// Allocate a block of coordinates with these masses and moments of inertia.
+    fn new(inertias: Vec<f64>) -> Self {
         Self {
-            matrix: Dense::new(size),
+            matrix: Dense::new(inertias.len()),
             inverse: [0.0; 4],
-            own: vec![0.0; size],
+            own: inertias.clone(),
+            inertias,
+        }
+    }
+
+    /// Multiply residuals by masses and moments of inertia.
+    pub(super) fn weigh(&self, residuals: &mut [f64]) {
+        for (residual, inertia) in residuals.iter_mut().zip(&self.inertias) {
+            *residual *= inertia;
         }
     }
 
@@ -86,11 +107,10 @@ impl Corner {
         (poses, pawls): (&[SprocketPose], &[f64]),
         gamma: f64,
     ) {
-        self.matrix.clear();
         let start = 3 * model.links;
+        self.own.copy_from_slice(&self.inertias);
         for ((sprocket, pose), &pawl) in model.sprockets.iter().zip(poses).zip(pawls) {
-            let mut add = |index: usize, value| self.add(index - start, index - start, value);
-            sprocket.for_each_inertia(&mut add);
+            // A = M - γ dQ/dv - γ² dQ/dq for a force -d v - k q: γ d + γ² k.
             if let Support::Slide {
                 index,
                 damping,
@@ -99,30 +119,26 @@ impl Corner {
             } = sprocket.support
             {
                 let (s, _) = sprocket.slide_at(pose.center.into()).unwrap_or_default();
-                add(
-                    index,
-                    // A = M - γ dQ/dv - γ² dQ/dq for a force -d v - k q: γ d + γ² k.
-                    gamma * damping + gamma * gamma * guide.stiffness_at(s, pawl),
-                );
+                self.own[index - start] += gamma * (damping + gamma * guide.stiffness_at(s, pawl));
             }
             if let (Some(swing), Rotation::Free { index, .. }) =
                 (sprocket.swing, &sprocket.rotation)
             {
                 let [back, forth] = swing.dashpots;
                 let stiffness = swing.stiffness_at(pose.angle - sprocket.phase, pawl);
-                add(*index, gamma * back.max(forth) + gamma * gamma * stiffness);
+                self.own[*index - start] += gamma * (back.max(forth) + gamma * stiffness);
             }
         }
-        for (own, entry) in self.own.iter_mut().zip(self.matrix.diagonal()) {
-            *own = entry;
+        self.matrix.clear();
+        for (i, &own) in self.own.iter().enumerate() {
+            self.matrix.add(i, i, own);
         }
     }
 
-    /// Return the largest share of a diagonal entry that teeth contribute.
-    pub(super) fn bound_by_teeth(&self) -> f64 {
-        let entries = self.own.iter().zip(self.matrix.diagonal());
-        let shares = entries.map(|(own, all)| (all - own).abs() / all.abs());
-        shares.fold(0.0, f64::max)
+    /// Return whether teeth contribute less than this share to each diagonal entry.
+    pub(super) fn is_bound_weakly(&self, share: f64) -> bool {
+        let mut entries = self.own.iter().zip(self.matrix.diagonal());
+        entries.all(|(own, all)| (all - own).abs() < share * all.abs())
     }
 
     /// Add `value` to one entry.
@@ -171,7 +187,7 @@ mod tests {
                 (f64::INFINITY, false),
                 (f64::NAN, false),
             ] {
-                let mut corner = Corner::new(size);
+                let mut corner = Corner::new(vec![1.0; size]);
                 for i in 0..size {
                     corner.add(i, i, if i == 0 { wrong } else { 1.0 });
                 }

@@ -8,18 +8,20 @@ use super::links::{Border, RightHand};
 use super::ring::BASE;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    EntriesMut, Lanes, Number, Numbers, Pack8, PartialSums, Vectors, parts, put_double_part, read,
-    write,
+    Entries, EntriesMut, Lanes, Number, Numbers, Pack8, PartialSums, Vectors, parts,
+    put_double_part, read, write,
 };
 
 /// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
-struct ChainResidual<'a, T> {
-    columns: &'a [Border<T>],
+struct ChainResidual<'a, S: Vectors> {
+    /// Residuals x, y and θ of all links.
+    residuals: [Entries<'a, S>; 3],
+    columns: &'a [Border<S::Number>],
     /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
     border_solution: &'a [f64],
 }
 
-impl<S: Vectors> RightHand<S> for ChainResidual<'_, S::Number> {
+impl<S: Vectors> RightHand<S> for ChainResidual<'_, S> {
     #[inline(always)]
     fn at(
         &self,
@@ -28,8 +30,12 @@ impl<S: Vectors> RightHand<S> for ChainResidual<'_, S::Number> {
         (number, part): (usize, usize),
     ) -> [Lanes<S>; 3] {
         let mass = group.mass.at(simd, part);
-        let [x, y, turn] = read(simd, &group.free, part);
-        let mut right = [mass * x, mass * y, group.inertia.at(simd, part) * turn];
+        let [x, y, turn] = &self.residuals;
+        let mut right = [
+            mass * x.at(number, part),
+            mass * y.at(number, part),
+            group.inertia.at(simd, part) * turn.at(number, part),
+        ];
         if group.touches_teeth {
             for (column, &border_solution) in self.columns.iter().zip(self.border_solution) {
                 take(simd, &mut right, &column[number], border_solution, part);
@@ -83,9 +89,7 @@ impl<T: Number, const FRICTION: bool> Correct<'_, T, FRICTION> {
         let n = model.links;
         let (links, rest) = residual.split_at_mut(3 * n);
         let (border, rollers) = rest.split_at_mut(matrix.solved.len());
-        for sprocket in &model.sprockets {
-            sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
-        }
+        matrix.corner.weigh(border);
         let Factors {
             rollers: terms,
             columns,
@@ -106,7 +110,9 @@ impl<T: Number, const FRICTION: bool> Correct<'_, T, FRICTION> {
             matrix.corner.solve(of_border);
         }
         let gauss_seidel = gauss_seidel || !rollers.is_empty();
+        let axis = |number: usize| Entries::of(simd, &links[number * n..(number + 1) * n]);
         let right = ChainResidual {
+            residuals: [axis(0), axis(1), axis(2)],
             columns: &matrix.columns,
             border_solution: if gauss_seidel {
                 &matrix.border_solution
@@ -114,7 +120,6 @@ impl<T: Number, const FRICTION: bool> Correct<'_, T, FRICTION> {
                 &[]
             },
         };
-        matrix.links.take_residuals(simd, n, links);
         matrix
             .links
             .solve_free::<S, _, FRICTION>(simd, n, &matrix.roots, &right);

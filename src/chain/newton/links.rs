@@ -14,9 +14,9 @@ use super::ring::{BASE, BEFORE, HingeRows, hinge_numbers, put_rows};
 use super::teeth::ToothTerms;
 use crate::chain::model::Model;
 use crate::math::simd::{
-    Entries, Lanes, Number, Numbers, Pack, Pack8, PartialSums, Vectors, WIDTH, load, packs_from,
+    Lanes, Number, Numbers, Pack, Pack8, PartialSums, Vectors, WIDTH, load, packs_from,
     packs_from_mut, packs_mut, padded_zeros, part_of, parts, put_double_part, put_part, read,
-    rounded_part, vectors, vectors_from, vectors_mut, write,
+    vectors, vectors_from, vectors_mut, write,
 };
 
 /// Return whether a bushing of a group of links touches a tooth; rears add the bushing before the group.
@@ -62,34 +62,6 @@ impl<T: Number> LinkTerms<T> {
             between: [(); 4].map(|()| padded_zeros(n)),
             rear_velocity: [with_first(), with_first()],
             force: [hinges(), hinges()],
-        }
-    }
-
-    /// Write residuals x, y and θ of all links where [`Self::solve_free`] reads them; zero for links of the padding.
-    #[inline(always)]
-    pub(super) fn take_residuals<S: Vectors<Number = T>>(
-        &mut self,
-        simd: S,
-        links: usize,
-        residuals: &[f64],
-    ) {
-        let axes = [0, 1, 2].map(|axis| residuals[axis * links..(axis + 1) * links].as_chunks());
-        let whole = axes[0].0.len();
-        let (groups, behind) = self.groups.split_at_mut(whole);
-        let [x, y, turn] = axes.map(|(packs, _)| &packs[..whole]);
-        for (number, group) in groups.iter_mut().enumerate() {
-            for part in parts::<S>() {
-                let at = |axis: &[Pack]| rounded_part(simd, &axis[number], part);
-                write(&mut group.free, part, [at(x), at(y), at(turn)]);
-            }
-        }
-        if let [group] = behind {
-            for (free, (_, rest)) in group.free.iter_mut().zip(axes) {
-                let rest = Entries::of(simd, rest);
-                for part in parts::<S>() {
-                    free.put(part, rest.at(0, part));
-                }
-            }
         }
     }
 

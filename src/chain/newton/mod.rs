@@ -242,7 +242,7 @@ impl<T: Number> Factors<T> {
             gauss_seidel: true,
             border_solution: vec![0.0; border + besides],
             sums: vec![PartialSums::default(); border],
-            corner: Corner::new(border),
+            corner: Corner::of(model),
             unknowns: three(),
             spare: if model.hinges.ideal {
                 three()
@@ -371,7 +371,7 @@ impl<T: Number> Factors<T> {
         for (from, column) in self.teeth.column.iter().zip(&mut self.columns) {
             self.links.gather_column::<S, FRICTION>(simd, from, column);
         }
-        self.gauss_seidel = self.corner.bound_by_teeth() < WEAK;
+        self.gauss_seidel = self.corner.is_bound_weakly(WEAK);
         if !self.gauss_seidel {
             self.solve_columns::<S, FRICTION>(simd, links);
         }

@@ -105,20 +105,25 @@ impl<T: Number> ToothTerms<T> {
         if !past && !self.touches(links - 1) {
             return;
         }
-        let count = if past { overhang.div_ceil(WIDTH) } else { 0 };
+        let packs = if past { overhang.div_ceil(WIDTH) } else { 0 };
+        // In a chain of few links the last pack would reach into the overhang: its numbers are added one by one.
+        let count = packs.min(links / WIDTH);
         let zero = Lanes::splat(simd, 0.0);
         each_array!(self, FRICTION, |array| {
-            for first in (0..count).map(|number| BASE + number * WIDTH) {
-                // Entries behind the overhang are zero.
-                let behind = &mut packs_mut(&mut array[first + links..], 1)[0];
-                let past = *behind;
-                for part in parts::<S>() {
-                    put_part(behind, part, zero);
+            let (own, behind) = array[BASE..].split_at_mut(links);
+            if count < packs {
+                for k in count * WIDTH..overhang {
+                    own[k] = T::nearest(own[k].double() + behind[k].double());
+                    behind[k] = T::default();
                 }
-                let entries = &mut packs_mut(&mut array[first..], 1)[0];
+            }
+            // Entries behind the overhang are zero.
+            let packs = packs_mut(own, count).iter_mut();
+            for (own, behind) in packs.zip(packs_mut(behind, count)) {
                 for part in parts::<S>() {
-                    let sum = part_of(simd, entries, part) + part_of(simd, &past, part);
-                    put_part(entries, part, sum);
+                    let sum = part_of(simd, own, part) + part_of(simd, behind, part);
+                    put_part(own, part, sum);
+                    put_part(behind, part, zero);
                 }
             }
             array[BASE - 1] = array[BASE + links - 1];

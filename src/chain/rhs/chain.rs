@@ -10,8 +10,7 @@ use pulp::{Simd, WithSimd};
 
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{
-    Lanes, Pack, WIDTH, lane_numbers, load, packs, packs_from_mut, packs_mut, partial_load,
-    sin_cos, vectors, vectors_mut,
+    Lanes, Pack, WIDTH, lane_numbers, packs, packs_from_mut, packs_mut, write_sin_cos,
 };
 use ends::{Arms, LinkEnd, Links, behind_last, last_links};
 use hinges::Hinges;
@@ -158,19 +157,7 @@ impl WithSimd for WriteDirections<'_> {
 #[inline(always)]
 fn write_directions<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
     let n = angle.len();
-    let (whole, rest) = S::as_simd_f64s(angle);
-    let blocks = whole.len() + usize::from(!rest.is_empty());
-    {
-        let (cos, sin) = (vectors_mut::<S>(cos, blocks), vectors_mut::<S>(sin, blocks));
-        for (i, angle) in whole.iter().enumerate() {
-            let (s, c) = sin_cos(load(simd, angle));
-            (cos[i], sin[i]) = (c.values(), s.values());
-        }
-        if !rest.is_empty() {
-            let (s, c) = sin_cos(partial_load(simd, rest));
-            (cos[blocks - 1], sin[blocks - 1]) = (c.values(), s.values());
-        }
-    }
+    write_sin_cos(simd, angle, cos, sin);
     cos[n] = cos[0];
     sin[n] = sin[0];
 }
@@ -178,14 +165,9 @@ fn write_directions<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut 
 /// Write cosines and sines of the sprockets' angles.
 #[inline(always)]
 fn write_sprocket_directions<S: Simd>(simd: S, arrays: &mut ChainArrays) {
-    let blocks = arrays.sprockets.div_ceil(S::F64_LANES);
-    let angle = vectors::<S>(&arrays.sprocket_angle, blocks);
-    let cos = vectors_mut::<S>(&mut arrays.sprocket_cos, blocks);
-    let sin = vectors_mut::<S>(&mut arrays.sprocket_sin, blocks);
-    for i in 0..blocks {
-        let (s, c) = sin_cos(load(simd, &angle[i]));
-        (cos[i], sin[i]) = (c.values(), s.values());
-    }
+    let whole = arrays.sprockets.next_multiple_of(S::F64_LANES);
+    let (cos, sin) = (&mut arrays.sprocket_cos, &mut arrays.sprocket_sin);
+    write_sin_cos(simd, &arrays.sprocket_angle[..whole], cos, sin);
 }
 
 /// Kernel that copies the first bushings behind the last one, and writes zeros where teeth add their forces.

@@ -16,9 +16,7 @@ use crate::chain::arrays::layout::ChainArrays;
 use crate::chain::contact::{BushingRun, Candidates, ContactId, SprocketCandidates};
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
-use crate::math::simd::{
-    Lanes, Mask, Numbers, WIDTH, both, both_mut, load, no_lane, padded_zeros, vectors,
-};
+use crate::math::simd::{Lanes, Numbers, WIDTH, both, both_mut, load, padded_zeros, vectors};
 
 /// Maximum over a step of the part of a cubic that a slope at one end contributes: 4/27 of slope times length.
 const REACH_OF_SLOPES: f64 = 4.0 / 27.0;
@@ -26,14 +24,15 @@ const REACH_OF_SLOPES: f64 = 4.0 / 27.0;
 /// Signed depths (d² - D²)/2D \[m\], positive in contact, and their rates \[m/s\] at both ends of a step. Depth and rate zero: unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct StepEndStates {
-    start: [Numbers; 2],
-    end: [Numbers; 2],
+    /// Boxes: each step exchanges two pointers.
+    start: Box<[Numbers; 2]>,
+    end: Box<[Numbers; 2]>,
 }
 
 impl StepEndStates {
     /// Allocate `room` contacts.
     fn new(room: usize) -> Self {
-        let zeros = || [padded_zeros(room), padded_zeros(room)];
+        let zeros = || Box::new([padded_zeros(room), padded_zeros(room)]);
         Self {
             start: zeros(),
             end: zeros(),
@@ -42,7 +41,7 @@ impl StepEndStates {
 
     /// Return signed depth and rate of contact `i` at the start and at the end.
     fn of(&self, i: usize) -> [[f64; 2]; 2] {
-        [&self.start, &self.end].map(|[depth, rate]| [depth[i], rate[i]])
+        [&*self.start, &*self.end].map(|[depth, rate]| [depth[i], rate[i]])
     }
 
     /// Exchange start and end.
@@ -53,7 +52,7 @@ impl StepEndStates {
     /// Return whether all arrays have the same lengths as those of `other`.
     fn is_like(&self, other: &Self) -> bool {
         let lengths =
-            |ends: &Self| [&ends.start, &ends.end].map(|[depth, rate]| [depth.len(), rate.len()]);
+            |ends: &Self| [&*ends.start, &*ends.end].map(|[depth, rate]| [depth.len(), rate.len()]);
         lengths(self) == lengths(other)
     }
 }
@@ -164,7 +163,7 @@ impl EventScreening {
         self.list = candidates.refreshes();
         let sprockets = self.teeth.iter_mut().zip(&mut self.runs);
         for ((ends, runs), candidates) in sprockets.zip(&candidates.sprockets) {
-            for start in &mut ends.start {
+            for start in &mut *ends.start {
                 spare.fill(0.0);
                 for (slot, bushing) in candidates.bushings(links) {
                     let before = runs.iter().find_map(|run| {
@@ -181,30 +180,53 @@ impl EventScreening {
     }
 }
 
-/// Return the contacts that may have touched between two separated ends of the step, or separated between two ends in contact.
-///
-/// The criterion for touch is the intersection of the tangents at both ends, which bounds every peak from above, a tip's included.
-/// The criterion for separation is the lower bound of a cubic.
-#[inline(always)]
-fn may_have_event<S: Simd>(
+/// Contacts that may have touched between two separated ends of the step, or separated between two ends in contact: the least and
+/// the greatest number of all contacts, of which one is negative or one positive. (Numbers need fewer comparisons than masks.)
+struct Events<S: Simd> {
     length: Lanes<S>,
-    [[start, start_rate], [end, end_rate]]: [[Lanes<S>; 2]; 2],
-) -> Mask<S> {
-    let zero = length.constant(0.0);
-    let least = start.min(end);
-    // Height of the intersection times (rate at start - rate at end), which is positive here: g0 (-v1) + g1 v0 - h v0 v1.
-    let slopes = start.negate_mul_add(end_rate, end * start_rate);
-    let peak = (length * start_rate).negate_mul_add(end_rate, slopes);
-    // Separated at both ends, rising at the start and falling at the end. (The extreme of several numbers needs one comparison.)
-    let touched = (start.max(end).max(end_rate).less(zero)).and(start_rate.min(peak).greater(zero));
-    // Lower bound of the cubic: min(g0, g1) - 4/27 h (v1 - v0).
-    let reach = length.constant(REACH_OF_SLOPES) * length;
-    let fall = reach.mul_add(start_rate - end_rate, least);
-    let parted = least
-        .min(end_rate)
-        .greater(zero)
-        .and(start_rate.max(fall).less(zero));
-    touched.or(parted)
+    reach: Lanes<S>,
+    touched: Lanes<S>,
+    parted: Lanes<S>,
+}
+
+impl<S: Simd> Events<S> {
+    /// Begin without an event, for a step of `length` \[s\].
+    #[inline(always)]
+    fn none(length: Lanes<S>) -> Self {
+        Self {
+            length,
+            reach: length.constant(REACH_OF_SLOPES) * length,
+            touched: length.constant(0.0),
+            parted: length.constant(0.0),
+        }
+    }
+
+    /// Include one vector of contacts.
+    ///
+    /// The criterion for touch is the intersection of the tangents at both ends, which bounds every peak from above, a tip's included.
+    /// The criterion for separation is the lower bound of a cubic.
+    #[inline(always)]
+    fn include(&mut self, [[start, start_rate], [end, end_rate]]: [[Lanes<S>; 2]; 2]) {
+        let least = start.min(end);
+        // Height of the intersection times (rate at end - rate at start), which is negative here: g0 v1 - g1 v0 + h v0 v1.
+        let slopes = start.mul_add(end_rate, -(end * start_rate));
+        let peak = (self.length * start_rate).mul_add(end_rate, slopes);
+        // Separated at both ends, rising at the start and falling at the end: all negative.
+        let (falling, separated) = (-start_rate, start.max(end));
+        let touched = separated.max(end_rate).max(falling).max(peak);
+        self.touched = touched.min(self.touched);
+        // Lower bound of the cubic with opposite sign: 4/27 h (v1 - v0) - min(g0, g1). In contact at both ends: all positive.
+        let fall = self.reach.mul_add(end_rate - start_rate, -least);
+        let parted = least.min(end_rate).min(falling).min(fall);
+        self.parted = parted.max(self.parted);
+    }
+
+    /// Return whether an event is possible.
+    #[inline(always)]
+    fn any(&self) -> bool {
+        let zero = self.length.constant(0.0);
+        (self.parted - self.touched).greater(zero).any()
+    }
 }
 
 /// Result of event screening.
@@ -242,9 +264,10 @@ impl WithSimd for Screen<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let length = Lanes::splat(simd, self.length);
         let blocks = self.links.div_ceil(S::F64_LANES);
-        let mut possible = self.hinges.screen(length, blocks);
+        let mut events = Events::none(length);
+        self.hinges.screen(&mut events, blocks);
         if let Some(rollers) = self.rollers {
-            possible = possible.or(rollers.screen(length, blocks));
+            rollers.screen(&mut events, blocks);
         }
         for (ends, candidates) in self.teeth.iter().zip(self.candidates) {
             for run in &candidates.runs {
@@ -252,36 +275,32 @@ impl WithSimd for Screen<'_> {
                 let start = both::<S>(&ends.start, run.slot, blocks);
                 let end = both::<S>(&ends.end, run.slot, blocks);
                 for b in 0..blocks {
-                    let ends = [two(simd, start, b), two(simd, end, b)];
-                    possible = possible.or(may_have_event(length, ends));
+                    events.include([two(simd, start, b), two(simd, end, b)]);
                 }
             }
         }
-        possible.any()
+        events.any()
     }
 }
 
 impl JointEnds<'_> {
-    /// Write the end of the step; return the joints with a possible event.
+    /// Write the end of the step; include the joints in `events`.
     #[inline(always)]
-    fn screen<S: Simd>(self, length: Lanes<S>, blocks: usize) -> Mask<S> {
-        let simd = length.simd();
-        let scale = length.constant(0.5 / self.clearance);
-        let half_clearance = length.constant(0.5 * self.clearance);
+    fn screen<S: Simd>(self, events: &mut Events<S>, blocks: usize) {
+        let simd = events.length.simd();
+        let scale = Lanes::splat(simd, 0.5 / self.clearance);
+        let half_clearance = Lanes::splat(simd, 0.5 * self.clearance);
         let start = both::<S>(&self.ends.start, 0, blocks);
         let end = both_mut::<S>(&mut self.ends.end, 0, blocks);
         let distance_squared = vectors::<S>(&self.arrays.distance_squared, blocks);
         let along = vectors::<S>(&self.arrays.along, blocks);
-        let mut possible = no_lane(simd);
         for i in 0..blocks {
             // Signed depth (d² - c²)/(2 c) with the clearance c, and its rate (e · de/dt)/c.
             let depth = load(simd, &distance_squared[i]).mul_add(scale, -half_clearance);
             let rate = load(simd, &along[i]) * (scale + scale);
             (end[0][i], end[1][i]) = (depth.values(), rate.values());
-            let ends = [two(simd, start, i), [depth, rate]];
-            possible = possible.or(may_have_event(length, ends));
+            events.include([two(simd, start, i), [depth, rate]]);
         }
-        possible
     }
 }
 

@@ -42,7 +42,7 @@ pub(crate) use pack8::{
 };
 pub(crate) use precision::{Number, Single, Vectors};
 pub(crate) use rotate::rotated;
-pub(crate) use sin_cos::sin_cos;
+pub(crate) use sin_cos::{sin_cos, write_sin_cos};
 pub(crate) use transpose::transposed;
 
 /// Number of lanes of the widest vectors; array lengths are padded to a multiple of it.

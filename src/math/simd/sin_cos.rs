@@ -6,7 +6,7 @@
 
 use pulp::Simd;
 
-use super::Lanes;
+use super::{Lanes, load, partial_load, vectors_mut};
 
 /// Largest |x| of the vector code; larger angles are evaluated one by one by std.
 const LIMIT: f64 = 1e6;
@@ -63,6 +63,31 @@ pub(crate) fn sin_cos<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
         cosine = Lanes::new(x.simd(), cosines[0]);
     }
     (sine, cosine)
+}
+
+/// Write cosines and sines of `angles`, whose last vector may be partly filled; the other arrays have a whole vector there.
+#[inline(always)]
+pub(crate) fn write_sin_cos<S: Simd>(simd: S, angles: &[f64], cos: &mut [f64], sin: &mut [f64]) {
+    let (whole, rest) = S::as_simd_f64s(angles);
+    let blocks = whole.len() + usize::from(!rest.is_empty());
+    let mut largest = Lanes::splat(simd, 0.0);
+    {
+        let (cos, sin) = (vectors_mut::<S>(cos, blocks), vectors_mut::<S>(sin, blocks));
+        // No closure for both kinds of vectors: it would lose the instruction set.
+        for i in 0..blocks {
+            let x = match whole.get(i) {
+                Some(x) => load(simd, x),
+                None => partial_load(simd, rest),
+            };
+            let (s, c) = of_moderate(x);
+            (cos[i], sin[i]) = (c.values(), s.values());
+            // The maximum drops NaN or keeps it: its sine and cosine are NaN already.
+            largest = x.abs().max(largest);
+        }
+    }
+    if largest.exceeds(largest.constant(LIMIT)).any() {
+        replace_the_others(angles, sin, cos);
+    }
 }
 
 /// Return (sin x, cos x) for |x| up to [`LIMIT`].
@@ -135,7 +160,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::math::simd::testing::{LaneFunction, assert_near};
+    use crate::math::simd::testing::{LaneFunction, assert_near, map, ulps};
+    use crate::math::simd::{InstructionSet, padded_zeros};
+    use pulp::WithSimd;
 
     struct Sine;
     struct Cosine;
@@ -154,10 +181,32 @@ mod tests {
         }
     }
 
-    /// The error of std itself is below 1 unit.
+    /// The kernel of arrays.
+    struct Write<'a>(&'a [f64], [&'a mut [f64]; 2]);
+
+    impl WithSimd for Write<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let [cos, sin] = self.1;
+            write_sin_cos(simd, self.0, cos, sin);
+        }
+    }
+
+    /// The error of std itself is below 1 unit. Arrays have the numbers of vectors.
     fn assert_as_std(xs: &[f64]) {
         assert_near(&Sine, xs, 2, f64::sin);
         assert_near(&Cosine, xs, 2, f64::cos);
+        for set in InstructionSet::available() {
+            let (mut cos, mut sin) = (padded_zeros(xs.len()), padded_zeros(xs.len()));
+            set.run(Write(xs, [&mut cos, &mut sin]));
+            let (cosines, sines) = (map(set, &Cosine, xs), map(set, &Sine, xs));
+            for (i, x) in xs.iter().enumerate() {
+                assert_eq!(ulps(cos[i], cosines[i]), 0, "cos {x}");
+                assert_eq!(ulps(sin[i], sines[i]), 0, "sin {x}");
+            }
+        }
     }
 
     #[test]

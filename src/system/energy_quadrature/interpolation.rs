@@ -10,8 +10,8 @@ pub(super) const ERROR_IN_THE_MIDDLE: f64 = 1.5;
 
 /// Steps in a row without an evaluation, at most. The middle of the next one is evaluated as a test of the interpolation.
 ///
-/// Chosen among 7, 31 and 63 on the published drive (decision 22).
-const MOST_INTERPOLATED: u32 = 31;
+/// Chosen among 7, 31, 63 and 127 on the published drive (decision 22).
+const MOST_INTERPOLATED: u32 = 63;
 
 /// Powers in the middle of a step that those at its ends and two powers before it predict.
 ///

@@ -315,21 +315,21 @@ fn the_error_of_half_a_step_is_that_of_a_cubic() {
 }
 
 #[test]
-fn each_passed_test_permits_twice_as_many_interpolated_steps_up_to_31() {
+fn each_passed_test_permits_twice_as_many_interpolated_steps_up_to_63() {
     let mut interpolation = Interpolation::<Both>::default();
     let predicted = Predicted {
         powers: Both(1.0, 1.0),
         is_accurate: [true; 2],
     };
     assert_eq!(interpolation.wanted(&predicted), Some(Wanted::All));
-    for expected in [1, 3, 7, 15, 31, 31] {
+    for expected in [1, 3, 7, 15, 31, 63, 63] {
         interpolation.test(&predicted, Wanted::All, [0.5, -1.0], [1.0; 2]);
-        let free = (0..40).filter(|_| interpolation.wanted(&predicted).is_none());
+        let free = (0..80).filter(|_| interpolation.wanted(&predicted).is_none());
         assert_eq!(free.count(), expected);
     }
     interpolation.test(&predicted, Wanted::All, [0.0, 1.1], [1.0; 2]);
     assert_eq!(interpolation.wanted(&predicted), Some(Wanted::External));
-    // An evaluation of the external power alone is no test of the dissipated one, whose 31 steps go on.
+    // An evaluation of the external power alone is no test of the dissipated one, whose 63 steps go on.
     interpolation.test(&predicted, Wanted::External, [9.0, 0.9], [1.0; 2]);
     assert_eq!(interpolation.wanted(&predicted), None);
     interpolation.test(&predicted, Wanted::All, [1.1, 0.0], [1.0; 2]);
