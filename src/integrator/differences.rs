@@ -2,6 +2,8 @@
 //!
 //! φ* are the differences extrapolated to the end of the step, `φ*_i = β_i φ_i + φ*_{i+1}`; φ*_1 is the predicted derivative.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use super::MAX_ORDER;
@@ -180,7 +182,16 @@ impl Differences {
         });
     }
 
+    /// Set these rows to zero.
+    pub(super) fn clear(&mut self, rows: RangeInclusive<usize>) {
+        for row in rows {
+            self.table[row * self.width..(row + 1) * self.width].fill(0.0);
+        }
+    }
+
     /// Return φ*_1, and the row of the newest difference of a step at `order`.
+    ///
+    /// A rejected attempt leaves its own difference in that row, φ_{k+1}. Only φ_{k+2} needs the one before, which takes k + 1 equal steps.
     pub(super) fn first_and_newest(&mut self, order: usize) -> (&[f64], &mut [f64]) {
         let (before, from) = self.table.split_at_mut(order * self.width);
         (&before[..self.width], &mut from[..self.width])

@@ -126,6 +126,11 @@ impl History {
         self.differences.append_newest(k);
     }
 
+    /// Set the differences of the last step from row `first` on to zero.
+    pub(super) fn clear_from(&mut self, first: usize) {
+        self.differences.clear(first..=self.last_order);
+    }
+
     /// Return whether steps were equal for long enough to estimate the error of one order more after a step of order `k`.
     pub(super) fn may_raise(&self, k: usize, max_order: usize) -> bool {
         k < self.coefficients.equal_steps && k < max_order

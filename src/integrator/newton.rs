@@ -149,7 +149,11 @@ impl Adams {
     /// Orders above two are permitted only where the fastest rate is inside their stability region.
     fn choose_implicit_order_and_step(&mut self, estimate: &ErrorEstimate, above: Option<f64>) {
         let (k, h) = (self.history.last_order, self.history.last_step_size);
-        let max_order = self.highest_order(k, h);
+        // What a rise to order three needs is known one step later.
+        let max_order = match above {
+            Some(_) => self.highest_order(k, h),
+            None => self.highest_order(k, h).min(A_STABLE),
+        };
         // Order two at the start would leave its error in the energy of vibrations that later steps resolve.
         if (self.next).grow(estimate, (k, h), max_order, &self.control) {
             return;
@@ -161,10 +165,7 @@ impl Adams {
         let (order, error) = if k > max_order {
             let norm = (self.history).norm_of_difference(self.instructions, &self.norm, max_order);
             (max_order, scale(max_order) * norm)
-        } else if let Some(above) = above
-            && k >= A_STABLE
-            && max_order > A_STABLE
-        {
+        } else if let Some(above) = above.filter(|_| k >= A_STABLE && max_order > A_STABLE) {
             // Inside the stability region the choice is that of the explicit corrector.
             let one_above = || scale(k + 1) * above;
             let raise = self.history.may_raise(k, self.control.max_order);
@@ -213,7 +214,7 @@ impl Adams {
     fn accept_newton(&mut self, newest_only: bool) -> Option<f64> {
         let (k, h) = (self.next.order, self.next.size);
         // φ_{k+2} is a second pass over the table: only where it may decide.
-        let raise = (self.history).may_raise(k, self.highest_order(k, h));
+        let raise = !newest_only && self.history.may_raise(k, self.highest_order(k, h));
         let (history, vectors) = (&mut self.history, &mut self.vectors);
         history.differences.forget_rounding();
         let above = if newest_only {
@@ -242,7 +243,13 @@ impl Adams {
         // Evaluations leave the rates of the coordinates out; a failure names its worst component from them.
         let vectors = &mut self.vectors;
         vectors.derivative[..nq].copy_from_slice(&vectors.trial[nq..2 * nq]);
-        self.undo_step(factor * self.next.size, 2 * nq)?;
+        if let Err(failure) = self.undo_step(factor * self.next.size, 2 * nq) {
+            // The attempts have written differences that may be no numbers, and dense output reads them.
+            if self.next.order <= A_STABLE && self.vectors.dimension == 2 * nq {
+                self.history.clear_from(self.next.order);
+            }
+            return Err(failure);
+        }
         if failures >= FAILURES_TO_ORDER_ONE {
             self.next.order = 1;
         }

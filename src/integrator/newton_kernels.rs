@@ -229,7 +229,7 @@ pub(super) struct Apply<'a, const NEWEST: bool, const FIRST: bool> {
     pub(super) predicted: &'a [f64],
     /// φ*_1 of the coordinates.
     pub(super) phi_1: &'a [f64],
-    /// Newest difference of coordinates and of velocities; empty where it is not written.
+    /// Newest difference of coordinates and of velocities; not used without `NEWEST`.
     pub(super) newest: (&'a mut [f64], &'a mut [f64]),
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }

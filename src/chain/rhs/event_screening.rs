@@ -214,6 +214,7 @@ impl<S: Simd> Events<S> {
         // Separated at both ends, rising at the start and falling at the end: all negative.
         let (falling, separated) = (-start_rate, start.max(end));
         let touched = separated.max(end_rate).max(falling).max(peak);
+        // The sum is the second operand: these instructions return it where the first is no number.
         self.touched = touched.min(self.touched);
         // Lower bound of the cubic with opposite sign: 4/27 h (v1 - v0) - min(g0, g1). In contact at both ends: all positive.
         let fall = self.reach.mul_add(end_rate - start_rate, -least);

@@ -447,6 +447,21 @@ fn a_step_that_cannot_be_shorter_names_the_component_with_the_largest_error() {
 }
 
 #[test]
+fn after_a_failed_step_dense_output_has_the_state_that_was_reached() {
+    let (mut adams, mut system) = undisturbed();
+    (system.evaluations, system.change) = (u32::MAX, f64::NAN);
+    let reached = adams.y().to_vec();
+    let failure = adams.step_newton(&mut system).unwrap_err();
+    assert!(
+        matches!(failure, StepFailure::NotFinite { .. }),
+        "{failure:?}"
+    );
+    let mut found = vec![0.0; 2];
+    adams.interpolate(adams.time(), &mut found);
+    assert_eq!(found, reached);
+}
+
+#[test]
 fn explicit_steps_are_considered_where_the_choice_is_automatic() {
     for corrector in [Corrector::Auto, Corrector::Newton] {
         let control = StepControl {
