@@ -423,6 +423,17 @@ mod tests {
         );
     }
 
+    /// Return the coefficients of a step of 0.25 s at this order, after four of other sizes.
+    fn coefficients_of_a_step(order: usize) -> Coefficients {
+        let mut c = Coefficients::new();
+        let mut last = (0.0, 0);
+        for (i, h) in [0.1, 0.3, 0.2, 0.4, 0.25].into_iter().enumerate() {
+            c.update(h, (i + 1).min(order), last.0, last.1);
+            last = (h, (i + 1).min(order));
+        }
+        c
+    }
+
     #[test]
     fn an_undone_prediction_leaves_the_differences_with_the_newest_one_added() {
         // Whole vectors of every width and a part of one.
@@ -439,12 +450,7 @@ mod tests {
                     };
                 }
                 table.newest = order;
-                let mut c = Coefficients::new();
-                let mut last = (0.0, 0);
-                for (i, h) in [0.1, 0.3, 0.2, 0.4, 0.25].into_iter().enumerate() {
-                    c.update(h, (i + 1).min(order), last.0, last.1);
-                    last = (h, (i + 1).min(order));
-                }
+                let c = coefficients_of_a_step(order);
                 let before = table.clone();
                 table.predict(set, &c, order, 0.25, &mut Vectors::new(dimension));
                 for i in 0..dimension {
@@ -481,12 +487,7 @@ mod tests {
             }
         }
         table.newest = newest;
-        let mut c = Coefficients::new();
-        let mut last = (0.0, 0);
-        for (i, h) in [0.1, 0.3, 0.2, 0.4, 0.25].into_iter().enumerate() {
-            c.update(h, (i + 1).min(order), last.0, last.1);
-            last = (h, (i + 1).min(order));
-        }
+        let c = coefficients_of_a_step(order);
         let mut vectors = Vectors::new(dimension);
         let mut weights = padded_zeros(dimension);
         for i in 0..count {

@@ -71,7 +71,7 @@ impl Dynamics {
         Ok(true)
     }
 
-    /// Return the longest step from `t` to the next kink of an input, at which steps end, and one that resolves the inputs until then \[s\].
+    /// Return the longest step from `t` that resolves the inputs and ends at their next kink at the latest \[s\].
     pub(super) fn longest_step_of_inputs(&mut self, t: f64) -> f64 {
         // A kink reached to within rounding counts as past.
         let now = t + SHORTEST_TO_KINK;

@@ -6,7 +6,6 @@ use super::Factors;
 use super::link_group::LinkGroup;
 use super::links::{Border, RightHand};
 use super::ring::BASE;
-use crate::chain::model::Model;
 use crate::math::simd::{
     Entries, EntriesMut, Lanes, Number, Numbers, Pack8, PartialSums, Vectors, parts,
     put_double_part, read, write,
@@ -63,7 +62,7 @@ fn take<S: Vectors>(
 /// Kernel of [`Factors::correct`]; `FRICTION`: with moments on the links.
 pub(super) struct Correct<'a, T: Number, const FRICTION: bool> {
     pub(super) factors: &'a mut Factors<T>,
-    pub(super) model: &'a Model,
+    pub(super) links: usize,
     pub(super) residual: &'a mut [f64],
     pub(super) lack: Option<&'a [Numbers; 2]>,
 }
@@ -82,11 +81,10 @@ impl<T: Number, const FRICTION: bool> Correct<'_, T, FRICTION> {
     fn run<S: Vectors<Number = T>>(self, simd: S) {
         let Self {
             factors: matrix,
-            model,
+            links: n,
             residual,
             lack,
         } = self;
-        let n = model.links;
         let (links, rest) = residual.split_at_mut(3 * n);
         let (border, rollers) = rest.split_at_mut(matrix.solved.len());
         matrix.corner.weigh(border);

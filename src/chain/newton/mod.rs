@@ -301,7 +301,7 @@ impl<T: Number> Factors<T> {
                     instructions,
                     Correct::<T, $friction> {
                         factors: self,
-                        model,
+                        links: model.links,
                         residual,
                         lack,
                     },

@@ -9,8 +9,8 @@ use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
 use crate::chain::contact::SprocketCandidates;
 use crate::math::simd::{
-    Lanes, Number, Numbers, Pack, PartialSums, Vectors, WIDTH, packs_from, packs_from_mut,
-    packs_mut, padded, padded_zeros, part_of, parts, put_part, read_rounded, rounded_part,
+    Lanes, Number, Numbers, Pack, PartialSums, Vectors, WIDTH, fold_packs, packs_from,
+    packs_from_mut, padded, padded_zeros, part_of, parts, put_part, read_rounded, rounded_part,
 };
 
 /// Terms of the teeth, bushing by bushing: change of the force per change of the bushing's velocity, and per change of each
@@ -105,27 +105,11 @@ impl<T: Number> ToothTerms<T> {
         if !past && !self.touches(links - 1) {
             return;
         }
-        let packs = if past { overhang.div_ceil(WIDTH) } else { 0 };
-        // In a chain of few links the last pack would reach into the overhang: its numbers are added one by one.
-        let count = packs.min(links / WIDTH);
-        let zero = Lanes::splat(simd, 0.0);
+        let count = if past { overhang.div_ceil(WIDTH) } else { 0 };
         each_array!(self, FRICTION, |array| {
-            let (own, behind) = array[BASE..].split_at_mut(links);
-            if count < packs {
-                for k in count * WIDTH..overhang {
-                    own[k] = T::nearest(own[k].double() + behind[k].double());
-                    behind[k] = T::default();
-                }
-            }
             // Entries behind the overhang are zero.
-            let packs = packs_mut(own, count).iter_mut();
-            for (own, behind) in packs.zip(packs_mut(behind, count)) {
-                for part in parts::<S>() {
-                    let sum = part_of(simd, own, part) + part_of(simd, behind, part);
-                    put_part(own, part, sum);
-                    put_part(behind, part, zero);
-                }
-            }
+            fold_packs(simd, &mut array[BASE..], links, count);
+            array[BASE + links..][..count * WIDTH].fill(T::default());
             array[BASE - 1] = array[BASE + links - 1];
         });
     }

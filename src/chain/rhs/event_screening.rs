@@ -44,6 +44,15 @@ impl StepEndStates {
         [&*self.start, &*self.end].map(|[depth, rate]| [depth[i], rate[i]])
     }
 
+    /// Copy `other`, whose arrays have the same lengths.
+    fn copy_from(&mut self, other: &Self) {
+        for (to, from) in [(&mut self.start, &other.start), (&mut self.end, &other.end)] {
+            for (to, from) in to.iter_mut().zip(&**from) {
+                to.copy_from_slice(from);
+            }
+        }
+    }
+
     /// Exchange start and end.
     fn advance(&mut self) {
         std::mem::swap(&mut self.start, &mut self.end);
@@ -113,9 +122,11 @@ impl EventScreening {
 
     /// Copy `other` without allocation.
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        self.hinges.clone_from(&other.hinges);
-        self.rollers.clone_from(&other.rollers);
-        self.teeth.clone_from(&other.teeth);
+        self.hinges.copy_from(&other.hinges);
+        self.rollers.copy_from(&other.rollers);
+        for (ends, others) in self.teeth.iter_mut().zip(&other.teeth) {
+            ends.copy_from(others);
+        }
         for (runs, others) in self.runs.iter_mut().zip(&other.runs) {
             runs.clear();
             runs.extend_from_slice(others);

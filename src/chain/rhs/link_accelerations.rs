@@ -3,9 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use crate::chain::arrays::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::math::simd::{
-    Lanes, WIDTH, both, load, packs, part_of, parts, put_part, splat_two, vectors, vectors_from,
-};
+use crate::math::simd::{Lanes, WIDTH, both, fold_packs, load, splat_two, vectors, vectors_from};
 
 /// Kernel of the accelerations of all links. `FRICTION`: with moments about the hinges.
 pub(super) struct AccelerateLinks<'a, const FRICTION: bool> {
@@ -40,17 +38,18 @@ impl<const FRICTION: bool> WithSimd for AccelerateLinks<'_, FRICTION> {
             rear_moment,
             ..
         } = arrays;
+        // Runs of candidates past the last bushing have written behind it.
         let count = overhang.div_ceil(WIDTH);
         for force in &mut *front_force {
-            fold_overhang::<S>(simd, force, n, count);
+            fold_packs(simd, force, n, count);
         }
         for force in &mut *rear_force {
-            fold_overhang::<S>(simd, &mut force[FIRST + 1..], n, count);
+            fold_packs(simd, &mut force[FIRST + 1..], n, count);
             force[FIRST] = force[FIRST + n];
         }
         if FRICTION {
-            fold_overhang::<S>(simd, front_moment, n, count);
-            fold_overhang::<S>(simd, &mut rear_moment[FIRST + 1..], n, count);
+            fold_packs(simd, front_moment, n, count);
+            fold_packs(simd, &mut rear_moment[FIRST + 1..], n, count);
             rear_moment[FIRST] = rear_moment[FIRST + n];
         }
         let [(x, x_rest), (y, y_rest), (angle, angle_rest)] =
@@ -91,25 +90,6 @@ impl<const FRICTION: bool> WithSimd for AccelerateLinks<'_, FRICTION> {
     }
 }
 
-/// Add the forces that runs of candidates past the last bushing have written behind it, in `count` packs, to the first links.
-#[inline(always)]
-fn fold_overhang<S: Simd>(simd: S, force: &mut [f64], n: usize, count: usize) {
-    let (links, past) = force.split_at_mut(n);
-    let (places, last) = links.as_chunks_mut();
-    let past = packs(past, count);
-    for (place, past) in places.iter_mut().zip(past) {
-        for part in parts::<S>() {
-            let sum = part_of(simd, place, part) + part_of(simd, past, part);
-            put_part(place, part, sum);
-        }
-    }
-    if let Some(past) = past.get(places.len()) {
-        for (place, past) in last.iter_mut().zip(past) {
-            *place += past;
-        }
-    }
-}
-
 /// Kernel of the accelerations of all rollers. `FRICTION`: with moments of friction.
 pub(super) struct AccelerateRollers<'a, const FRICTION: bool> {
     /// Arrays of the rollers; the forces on them are those on fronts.
@@ -137,10 +117,10 @@ impl<const FRICTION: bool> WithSimd for AccelerateRollers<'_, FRICTION> {
             ..
         } = self.arrays;
         for force in [&mut *x, y] {
-            fold_overhang::<S>(simd, force, n, count);
+            fold_packs(simd, force, n, count);
         }
         if FRICTION {
-            fold_overhang::<S>(simd, front_moment, n, count);
+            fold_packs(simd, front_moment, n, count);
         }
         let [to_x, to_y, to_angle] = self.accelerations;
         // Adding 0.0 turns -0.0 into 0.0, as for the links.

@@ -37,8 +37,8 @@ pub(super) use ln::scaled_to;
 pub(crate) use ln::{ln_of_quotient, octaves_of_quotient};
 pub(crate) use ordered_sums::{PartialSums, Squares};
 pub(crate) use pack8::{
-    Pack, Pack8, packs, packs_from, packs_from_mut, packs_mut, part_of, parts, put_double_part,
-    put_part, read, read_rounded, rounded_part, write,
+    Pack, Pack8, fold_packs, packs, packs_from, packs_from_mut, packs_mut, part_of, parts,
+    put_double_part, put_part, read, read_rounded, rounded_part, write,
 };
 pub(crate) use precision::{Number, Single, Vectors};
 pub(crate) use rotate::rotated;

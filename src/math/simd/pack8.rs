@@ -2,7 +2,7 @@
 //!
 //! Arrays are read as packs, too: a pack has a constant length, so that its vectors are read without a check of bounds.
 
-use super::{Lanes, Vectors, WIDTH, load, vectors, vectors_mut};
+use super::{Lanes, Number, Vectors, WIDTH, load, vectors, vectors_mut};
 
 /// Eight numbers of an array, from any entry on.
 pub(crate) type Pack<T = f64> = [T; WIDTH];
@@ -41,6 +41,30 @@ pub(crate) fn part_of<S: Vectors>(simd: S, pack: &Pack<S::Number>, part: usize) 
 #[inline(always)]
 pub(crate) fn put_part<S: Vectors>(pack: &mut Pack<S::Number>, part: usize, values: Lanes<S>) {
     vectors_mut::<S>(pack, WIDTH / S::LANES)[part] = values.values();
+}
+
+/// Add the numbers behind the first `length` of an array, in `count` packs, to those first ones.
+#[inline(always)]
+pub(crate) fn fold_packs<S: Vectors>(
+    simd: S,
+    array: &mut [S::Number],
+    length: usize,
+    count: usize,
+) {
+    let (own, behind) = array.split_at_mut(length);
+    let (places, last) = own.as_chunks_mut();
+    let behind = packs(behind, count);
+    for (place, behind) in places.iter_mut().zip(behind) {
+        for part in parts::<S>() {
+            let sum = part_of(simd, place, part) + part_of(simd, behind, part);
+            put_part(place, part, sum);
+        }
+    }
+    if let Some(behind) = behind.get(places.len()) {
+        for (place, behind) in last.iter_mut().zip(behind) {
+            *place = Number::nearest(place.double() + behind.double());
+        }
+    }
 }
 
 /// Eight numbers aligned to a cache line.
@@ -130,5 +154,41 @@ pub(crate) fn write<S: Vectors, const N: usize>(
 ) {
     for (pack8, values) in packs8.iter_mut().zip(values) {
         pack8.put(part, values);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::{Simd, WithSimd};
+
+    use super::*;
+    use crate::math::simd::InstructionSet;
+
+    struct Fold<'a>(&'a mut [f64], usize, usize);
+
+    impl WithSimd for Fold<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            fold_packs(simd, self.0, self.1, self.2);
+        }
+    }
+
+    #[test]
+    fn what_stands_behind_an_array_is_added_to_its_first_numbers() {
+        // More packs behind than before: the last numbers before have no whole pack.
+        for (length, count) in [(3, 1), (8, 1), (11, 2), (16, 2), (36, 1), (20, 0)] {
+            let folded = length.min(count * WIDTH);
+            for set in InstructionSet::available() {
+                let from: Vec<f64> = (0..length + count * WIDTH).map(|i| i as f64).collect();
+                let mut array = from.clone();
+                set.run(Fold(&mut array, length, count));
+                for i in 0..from.len() {
+                    let added = if i < folded { from[length + i] } else { 0.0 };
+                    assert_eq!(array[i], from[i] + added, "{length} {count} {i}");
+                }
+            }
+        }
     }
 }

@@ -177,7 +177,7 @@ CASES = [
 ]
 # Rollers are light: order 4 is stable only in steps whose errors are rounding, 1e-15 m. Newton's
 # method takes order 3 in steps of 1e-6 s, and order 2 in longer ones. The errors of the film at
-# order 5 are rounding, too. With much damping some steps of 2e-6 s are of lower order than 4.
+# order 5 are rounding, too.
 ROUNDING = [("rollers", "pece", 4), ("rollers", "newton", 4), ("film", "pece", 4)]
 CHOSEN = [(kind, *case) for kind in SCENES for case in CASES if (kind, *case[:2]) not in ROUNDING]
 
@@ -189,8 +189,11 @@ def test_the_error_falls_with_the_order_of_the_corrector(kind, method, max_order
     Errors are 1e-15 to 1.5e-7 m. Measured orders are within 0.27 of the theory, those of errors
     below 1e-14 m with rounding. Neighbouring orders are one apart.
     """
-    if (kind, method, max_order) in [("rollers", "newton", 3), ("damping", "newton", 4)]:
+    if (kind, method, max_order) == ("rollers", "newton", 3):
         step = 1e-6
+    # With much damping errors are not yet powers of longer steps: the order is 3.5 at 2e-6 s.
+    if (kind, method, max_order) == ("damping", "newton", 4):
+        step = 1.6e-6
     scene, exact = reference(kind)
     steps = (step, 0.5 * step)
     coarse, fine = (abs(centres(run(scene, method, max_order, h)[0]) - exact).max() for h in steps)
