@@ -50,7 +50,8 @@ def chain_drive(
     chain : str or Chain
         Name in the catalogue, such as "ANSI 40", or a chain. The `links` of a chain are not used.
     sprockets : sequence of Sprocket
-        Sprockets in their order along the chain path, in either direction.
+        Sprockets in their order along the chain path, in either direction. Their teeth have the
+        ANSI form for every chain, unless `profile=IsoTooth()` or another form is given.
     links : int, optional
         Number of links, even or odd (the last one is then an offset link). By default the smallest
         even number that closes round the centres.
