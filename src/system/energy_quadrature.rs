@@ -157,8 +157,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         let near = [PREDICTED_SHARE * near, near];
         let predicted = match (other, before) {
             (Some(other), Some(before)) if self.fineness == 0 => {
-                let nodes = [(0.0, &at_start), (1.0, &at_end)];
-                Predicted::new(other, before, nodes, near)
+                Predicted::new(other, before, [&at_start, &at_end], near)
             }
             _ => Predicted::default(),
         };
@@ -175,11 +174,11 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             last_start
         };
         let simpson = [at_start, middle, at_end];
-        let accepted = ACCEPTED_ERROR * scale.max(decisive(&middle));
+        let accepted = || ACCEPTED_ERROR * scale.max(decisive(&middle));
         self.powers.clear();
         self.powers.extend(simpson);
         let mut mean = simpson_mean(&self.powers);
-        let is_accurate = |before| is_below(error_of_half(simpson, before), accepted);
+        let is_accurate = |before| is_below(error_of_half(simpson, before), accepted());
         let mut accurate = wanted.is_none() || before.is_some_and(is_accurate);
         let wanted = wanted.unwrap_or(Wanted::All);
         let mut panels = 1;
@@ -194,7 +193,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             }
             let finer = simpson_mean(&self.powers);
             // Of a smooth power, halved panels have a sixteenth of the error.
-            accurate = is_below(difference(&finer, &mean).map(|d| d / 15.0), accepted);
+            accurate = is_below(difference(&finer, &mean).map(|d| d / 15.0), accepted());
             mean = finer;
         }
         self.at_start = self.at_end;

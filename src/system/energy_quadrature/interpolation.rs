@@ -25,31 +25,29 @@ pub(super) struct Predicted<P> {
 }
 
 impl<P: PowerSum> Predicted<P> {
-    /// Predict powers with errors of at most `accepted`, of dissipated and external power \[W\]. The nodes are places in parts of the step, and
-    /// powers. Without the one that is farthest away, a parabola is left.
-    pub(super) fn new(
-        one: (f64, &P),
-        other: (f64, &P),
-        ends: [(f64, &P); 2],
-        accepted: [f64; 2],
-    ) -> Self {
-        let nodes = if one.0 < other.0 {
-            [one, other, ends[0], ends[1]]
+    /// Predict powers with errors of at most `accepted`, of dissipated and external power \[W\], from those at both `ends` of the step and at two
+    /// places before it \[parts of the step\]. Without the one that is farthest away, a parabola is left.
+    pub(super) fn new(one: (f64, &P), other: (f64, &P), ends: [&P; 2], accepted: [f64; 2]) -> Self {
+        let (far, near) = if one.0 < other.0 {
+            (one, other)
         } else {
-            [other, one, ends[0], ends[1]]
+            (other, one)
         };
-        let weights = weights_in_the_middle(nodes.map(|(place, _)| place));
+        let places = [far.0, near.0];
+        let weights = weights_in_the_middle(places);
+        let nodes = [far.1, near.1, ends[0], ends[1]];
+        // The cubic differs from the parabola by f[x0, x1, x2, x3] (x - x1) (x - x2) (x - x3). In this, the weight of node i is that in
+        // the cubic times (x - xi)/(x - x0).
+        let over = 1.0 / (0.5 - far.0);
+        let shares = [1.0, (0.5 - near.0) * over, 0.5 * over, -0.5 * over];
         let mut error = [0.0; 2];
-        for (weight, (place, node)) in weights.into_iter().zip(nodes) {
-            // The cubic differs from the parabola by f[x0, x1, x2, x3] (x - x1) (x - x2) (x - x3). In this, the weight of node i is that in
-            // the cubic times (x - xi)/(x - x0).
-            let share = weight * (0.5 - place) / (0.5 - nodes[0].0);
+        for ((weight, share), node) in weights.iter().zip(shares).zip(nodes) {
             for (error, total) in error.iter_mut().zip(node.totals()) {
-                *error += share * total;
+                *error += weight * share * total;
             }
         }
         Self {
-            powers: P::combined([0, 1, 2, 3].map(|i| (weights[i], nodes[i].1))),
+            powers: P::combined([0, 1, 2, 3].map(|i| (weights[i], nodes[i]))),
             is_accurate: [0, 1].map(|i| error[i].abs() <= accepted[i]),
         }
     }
@@ -116,16 +114,16 @@ pub(super) fn is_below(errors: [f64; 2], accepted: f64) -> bool {
     errors.iter().all(|e| e.abs() <= accepted)
 }
 
-/// Return the weights of powers at places in parts of a step in Lagrange's polynomial, in the middle of the step.
-fn weights_in_the_middle(places: [f64; 4]) -> [f64; 4] {
-    let mut weights = [1.0; 4];
-    for (i, weight) in weights.iter_mut().enumerate() {
-        let (mut above, mut below) = (1.0, 1.0);
-        for j in (0..4).filter(|&j| j != i) {
-            above *= 0.5 - places[j];
-            below *= places[i] - places[j];
-        }
-        *weight = above / below;
-    }
-    weights
+/// Return the weights of powers at places before a step \[parts of it\], at its start and at its end, in Lagrange's polynomial in the middle of
+/// the step.
+fn weights_in_the_middle([far, near]: [f64; 2]) -> [f64; 4] {
+    let (from_far, from_near) = (0.5 - far, 0.5 - near);
+    let both = 0.5 * from_far * from_near;
+    let quarter = 0.25 / (near - far);
+    [
+        quarter * from_near / (far * (far - 1.0)),
+        -quarter * from_far / (near * (near - 1.0)),
+        both / (far * near),
+        both / ((1.0 - far) * (1.0 - near)),
+    ]
 }

@@ -200,7 +200,7 @@ fn behind_the_last_step_the_sum_grows_with_its_last_power() {
 #[test]
 fn powers_are_interpolated_where_dissipated_and_external_ones_are_smooth() {
     let nodes = |dissipated: f64, external: f64| {
-        [-2.0, -1.0, 0.0, 1.0].map(|place: f64| {
+        [-2.5, -0.7, 0.0, 1.0].map(|place: f64| {
             let rough = place.powi(3);
             (
                 place,
@@ -212,16 +212,17 @@ fn powers_are_interpolated_where_dissipated_and_external_ones_are_smooth() {
         let nodes = nodes(dissipated, external);
         let [earlier, before, start, end] =
             nodes.each_ref().map(|(place, powers)| (*place, powers));
-        let found = Predicted::new(earlier, before, [start, end], [accepted; 2]);
-        let exchanged = Predicted::new(before, earlier, [start, end], [accepted; 2]);
+        let ends = [start.1, end.1];
+        let found = Predicted::new(earlier, before, ends, [accepted; 2]);
+        let exchanged = Predicted::new(before, earlier, ends, [accepted; 2]);
         assert_eq!(found.powers, exchanged.powers);
         found
     };
-    // Cubic and parabola differ by a quarter of the third divided difference times 1.5: 0.375 here.
-    assert_eq!(predicted(1.0, 1.0, 0.4).is_accurate, [true; 2]);
-    assert_eq!(predicted(1.0, 1.0, 0.3).is_accurate, [false; 2]);
-    assert_eq!(predicted(0.0, 1.0, 0.3).is_accurate, [true, false]);
-    assert_eq!(predicted(1.0, 0.0, 0.3).is_accurate, [false, true]);
+    // Cubic and parabola differ by a quarter of the third divided difference times 1.2: 0.3 here.
+    assert_eq!(predicted(1.0, 1.0, 0.301).is_accurate, [true; 2]);
+    assert_eq!(predicted(1.0, 1.0, 0.299).is_accurate, [false; 2]);
+    assert_eq!(predicted(0.0, 1.0, 0.299).is_accurate, [true, false]);
+    assert_eq!(predicted(1.0, 0.0, 0.299).is_accurate, [false, true]);
     let found = predicted(1.0, -2.0, 1.0).powers;
     assert!((found.0 - 1.125).abs() < 1e-14 && (found.1 - 0.75).abs() < 1e-14);
 }
