@@ -1,7 +1,9 @@
 //! The implicit corrector: its matrix against finite differences, and runs with it.
 
 use crate::common;
-use crate::common::checks::{matrix_is_that_of_finite_differences, newton};
+use crate::common::checks::{
+    forces_and_powers_follow_from_a_correction, matrix_is_that_of_finite_differences, newton,
+};
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, Film, ForceLaw};
 use rustchain::integrator::{Adams, OdeSystem, SecondOrderSystem, StepControl};
@@ -129,92 +131,9 @@ fn long_steps_and_films_have_double_precision() {
     }
 }
 
-/// Errors of the corrected dissipated and external power and of the largest error of a force, and the changes of the dissipated power and
-/// of this force by the correction. The residual of the velocities is `part` of γ times the accelerations.
-fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 5] {
-    let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
-    let mut dynamics = run.dynamics().clone();
-    dynamics.keep_energy(true);
-    let nq = dynamics.coordinates();
-    let mut slope = vec![0.0; y.len()];
-    dynamics.accelerations_with_slopes(t, &y, &mut slope);
-    let before = dynamics.powers(t, &y);
-    let forces = |dynamics: &Dynamics| -> Vec<f64> {
-        let hinges = dynamics.hinge_contacts().map(|(_, force)| force);
-        let teeth = dynamics.candidates().map(|(.., force)| force);
-        hinges.chain(teeth).collect()
-    };
-    let forces_before = forces(&dynamics);
-    assert!(dynamics.factorise(&y, gamma));
-    let mut correction: Vec<f64> = slope[nq..].iter().map(|a| part * gamma * a).collect();
-    dynamics.correct(&mut correction);
-    let mut corrected = y.clone();
-    for (i, velocity) in correction.iter().enumerate() {
-        corrected[i] += gamma * velocity;
-        corrected[nq + i] += velocity;
-    }
-    let mut without_forces = dynamics.clone();
-    without_forces.correct_powers((gamma, &correction), false);
-    dynamics.correct_powers((gamma, &correction), true);
-    let found = dynamics.powers(t, &corrected);
-    assert_eq!(without_forces.powers(t, &corrected), found);
-    assert_eq!(forces(&without_forces), forces_before);
-    let forces_found = forces(&dynamics);
-    let exact = dynamics.evaluate(t, &corrected);
-    dynamics.accelerations(t, &corrected, &mut slope);
-    let forces_exact = forces(&dynamics);
-    let largest = |of: &[f64]| {
-        let differences = of.iter().zip(&forces_exact);
-        differences.fold(0.0, |largest: f64, (force, exact)| {
-            largest.max((force - exact).abs())
-        })
-    };
-    [
-        found.dissipated - exact.dissipated,
-        found.external_work - exact.external_work,
-        largest(&forces_found),
-        exact.dissipated - before.dissipated,
-        largest(&forces_before),
-    ]
-}
-
 #[test]
 fn forces_and_powers_after_a_correction_need_no_evaluation() {
-    let mut compared = 0;
-    let gammas = [1e-7, 1e-8];
-    for (scene, mut run) in pressed_scenes() {
-        if scene.contains("None") {
-            continue;
-        }
-        // Sums of squares over several states: in a single one the change may be small by chance.
-        let mut squares = [[0.0; 5]; 2];
-        for state in 1..=8 {
-            common::advance(&mut run, 9e-3 + 5e-5 * f64::from(state));
-            for (squares, gamma) in squares.iter_mut().zip(gammas) {
-                let found = errors_of_corrected_forces(&run, gamma, 0.01);
-                for (square, found) in squares.iter_mut().zip(found) {
-                    *square += found * found;
-                }
-            }
-        }
-        for ([dissipated, external, force, change, change_of_force], gamma) in
-            squares.into_iter().zip(gammas)
-        {
-            let errors = [
-                (dissipated / change).sqrt(),
-                (external / change).sqrt(),
-                // The largest of all contacts, where the errors of sums cancel in part.
-                0.5 * (force / change_of_force).sqrt(),
-            ];
-            // Left out is how far normals turn, as in the matrix, where slip over radius is up to 1e4 1/s, and a part of the second order.
-            let allowed = 5e4 * gamma + 1e-3;
-            assert!(
-                errors.iter().all(|&error| error < allowed),
-                "{scene}, {gamma:e}: {errors:?}"
-            );
-            compared += 1;
-        }
-    }
+    let compared = forces_and_powers_follow_from_a_correction(pressed_scenes());
     assert_eq!(compared, 16);
 }
 

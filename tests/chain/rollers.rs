@@ -1,7 +1,9 @@
 //! Rollers as bodies of their own: forces beside the scalar reference, the implicit corrector's matrix, and runs.
 
 use crate::common;
-use crate::common::checks::{matrix_is_that_of_finite_differences, newton};
+use crate::common::checks::{
+    forces_and_powers_follow_from_a_correction, matrix_is_that_of_finite_differences, newton,
+};
 use crate::common::scenes::Scene;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::Chain;
@@ -73,6 +75,12 @@ fn the_matrix_is_that_of_finite_differences_but_for_angles_turned_in_a_step() {
     for (scene, run) in pressed_scenes() {
         matrix_is_that_of_finite_differences(&scene, &run, all_kinds_touch);
     }
+}
+
+#[test]
+fn forces_and_powers_after_a_correction_need_no_evaluation() {
+    let compared = forces_and_powers_follow_from_a_correction(pressed_scenes());
+    assert_eq!(compared, 12);
 }
 
 #[test]

@@ -48,9 +48,8 @@ impl Dynamics {
 
     /// Change the powers of the last evaluation, which wrote slopes, and the `forces` if wanted, to those after the last correction of the
     /// velocities with γ.
-    pub fn correct_powers(&mut self, (gamma, correction): (f64, &[f64]), forces: bool) {
-        let border = &correction[3 * self.model.links..self.model.body_coordinates()];
-        let (kernels, model, correction) = (&mut self.kernels, &self.model, (gamma, border));
+    pub fn correct_powers(&mut self, correction: (f64, &[f64]), forces: bool) {
+        let (kernels, model) = (&mut self.kernels, &self.model);
         if forces {
             kernels.correct_powers::<true>(model, correction);
         } else {
@@ -58,28 +57,30 @@ impl Dynamics {
         }
     }
 
-    /// Return whether forces and powers change by slopes: damped contacts of hinges and teeth alone.
+    /// Return whether forces and powers change by slopes: damped contacts alone.
     pub(super) fn has_all_slopes(&self) -> bool {
-        let model = &self.model;
-        !model.has_moments() && model.rollers.is_none() && model.ends.is_none()
+        !self.model.has_moments() && self.model.ends.is_none()
     }
 
     /// Find the powers at the end of the last step, where energy is kept, and change the forces of the last evaluation to those at the end
     /// where `peaks` are recorded.
     ///
     /// Both follow from slopes of the last evaluation and the correction after it. After several corrections forces are evaluated: at loose
-    /// accuracies the last correction can change a force by several times its value. Powers are not, whose errors cancel in part.
+    /// accuracies the last correction can change a force by several times its value. Powers are not, whose errors cancel in part, but where
+    /// rollers are bodies (decision 22).
     ///
     /// Call it after [`Self::finish_step`], which reads the contacts of the last evaluation. That stores new impact velocities: evaluations
     /// from here on use them, the forces of the step used the present rates.
     pub(super) fn reach_end_of_step(&mut self, adams: &Adams, step: &Step, peaks: bool) {
-        let (keeps, has_slopes) = (self.keeps_energy, self.has_all_slopes());
+        let keeps = self.keeps_energy;
         let correction = adams.correction_after_evaluation();
         let first_is_last = adams.ended_with_first_correction();
-        let forces_change = has_slopes && first_is_last;
+        let forces_change = self.has_all_slopes() && first_is_last;
+        let powers_change =
+            forces_change || (self.has_all_slopes() && self.model.rollers.is_none());
         let end = (step.end, adams.y());
         match correction {
-            Some(correction) if has_slopes && (keeps || (peaks && forces_change)) => {
+            Some(correction) if (keeps && powers_change) || (peaks && forces_change) => {
                 self.correct_powers(correction, peaks && forces_change);
             }
             Some(_) if keeps => {
@@ -91,7 +92,7 @@ impl Dynamics {
         if keeps {
             self.power_at_end = self.kernels.last_powers(&self.model, step.end, adams.y());
         }
-        let evaluated = correction.is_none() || (keeps && !has_slopes);
+        let evaluated = correction.is_none() || (keeps && !powers_change);
         if peaks && !evaluated && !forces_change {
             self.evaluate_end_of_step(end, !first_is_last);
         }

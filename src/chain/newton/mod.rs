@@ -36,7 +36,7 @@ use film::assemble_film_roots;
 use link_group::{LinkGroup, Linked};
 use links::{Border, LinkTerms, RightHand};
 use power_change::CorrectedEnds;
-pub(crate) use power_change::PowerChange;
+pub(crate) use power_change::{CorrectedRollers, PowerChange};
 use ring::{BASE, HingeRows, Ring, hinge_numbers, hinge_rows};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, ToothTerms};

@@ -15,17 +15,17 @@ use crate::chain::contact::SprocketCandidates;
 use crate::chain::loads::SprocketLoad;
 use crate::geometry::Vec2;
 use crate::math::simd::{
-    InstructionSet, Lanes, Number, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut, padded,
-    padded_zeros, part_of, parts, put_part, read, splat_two,
+    Entries, InstructionSet, Lanes, Number, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut,
+    padded, padded_zeros, part_of, parts, put_part, read, splat_two,
 };
 
-/// Corrections of the velocities of the links' ends and of the bushings, for scratch.
+/// Corrections of the velocities of the links' ends and of the bodies on the teeth, for scratch.
 #[derive(Debug, Clone)]
 pub(super) struct CorrectedEnds {
     /// Fronts, x and y, and rears; a copy of the first rear follows the last. The fifth array is that of friction and not used.
     links: [Numbers; 5],
-    /// Bushings, x and y; copies of the first ones follow the last.
-    bushings: [Numbers; 2],
+    /// Bodies on the teeth, x and y: bushings, or rollers. Copies of the first ones follow the last.
+    on_teeth: [Numbers; 2],
 }
 
 impl CorrectedEnds {
@@ -34,7 +34,7 @@ impl CorrectedEnds {
         let zeros = || padded_zeros(padded(2 * links + 3 * WIDTH));
         Self {
             links: [(); 5].map(|()| zeros()),
-            bushings: [zeros(), zeros()],
+            on_teeth: [zeros(), zeros()],
         }
     }
 }
@@ -65,15 +65,23 @@ impl<T: Number> Factors<T> {
     }
 }
 
-/// Kernel: return the changes of the powers of hinges and teeth \[W\] with the last correction; add those of the forces of hinges and teeth,
-/// and of the loads on the sprockets. The corrections of the links' ends must be written, and the slopes must be those of the last
-/// evaluation, without friction and rollers. Without `FORCES`, forces stay, and of the loads only the moments change: the powers need no more.
+/// Rollers that are bodies, and the corrections of their velocities.
+pub(crate) struct CorrectedRollers<'a> {
+    pub(crate) arrays: &'a mut ChainArrays,
+    /// Corrections, x and y \[m/s\].
+    pub(crate) correction: [&'a [f64]; 2],
+}
+
+/// Kernel: return the changes of the powers of hinges, rollers and teeth \[W\] with the last correction; add those of their forces, and of
+/// the loads on the sprockets. The corrections of the links' ends must be written, and the slopes must be those of the last evaluation,
+/// without friction. Without `FORCES`, forces stay, and of the loads only the moments change: the powers need no more.
 pub(crate) struct PowerChange<'a, const FORCES: bool> {
     pub(crate) matrix: &'a mut NewtonMatrix,
     pub(crate) links: usize,
     pub(crate) gamma: f64,
     pub(crate) constants: &'a LinkConstants,
     pub(crate) chain: &'a mut ChainArrays,
+    pub(crate) rollers: Option<CorrectedRollers<'a>>,
     pub(crate) candidates: &'a mut [SprocketCandidates],
     pub(crate) overhang: usize,
     pub(crate) poses: &'a [SprocketPose],
@@ -83,10 +91,10 @@ pub(crate) struct PowerChange<'a, const FORCES: bool> {
 }
 
 impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
-    type Output = [f64; 2];
+    type Output = [f64; 3];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
         let Self { matrix, gamma, .. } = self;
         let NewtonMatrix {
             slopes,
@@ -103,8 +111,18 @@ impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
             &self.constants.bushing_on_front,
             (corrected, &mut self.chain.force),
         );
-        for bushing in &mut corrected.bushings {
-            bushing.copy_within(..self.overhang, self.links);
+        let (mut of_rollers, mut bodies) = (0.0, &self.chain.bushing);
+        if let Some(CorrectedRollers { arrays, correction }) = self.rollers {
+            of_rollers = rollers::<S, FORCES>(
+                simd,
+                (gamma, &slopes.rollers.normal),
+                correction,
+                (&mut corrected.on_teeth, &mut arrays.force),
+            );
+            bodies = &arrays.bushing;
+        }
+        for body in &mut corrected.on_teeth {
+            body.copy_within(..self.overhang, self.links);
         }
         let mut of_teeth = 0.0;
         for (s, load) in self.loads.iter_mut().enumerate() {
@@ -113,8 +131,8 @@ impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
                 slopes: &slopes.teeth[s].normal,
                 candidates: &mut self.candidates[s],
                 pose: &self.poses[s],
-                bushing: &self.chain.bushing,
-                correction: &corrected.bushings,
+                bodies,
+                correction: &corrected.on_teeth,
             };
             let [power, x, y, moment] =
                 teeth.sums::<S, FORCES>(simd, moved(&motions[s], self.border));
@@ -122,11 +140,12 @@ impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
             load.force += Vec2::new(x, y);
             load.moment += moment;
         }
-        [of_hinges, of_teeth]
+        [of_hinges, of_rollers, of_teeth]
     }
 }
 
 /// Return the corrections of the velocity of a sprocket's centre, x and y, and of its angular velocity.
+#[inline(always)]
 fn moved(of: &SprocketMotions, border: &[f64]) -> [f64; 3] {
     let mut moved = [0.0; 3];
     for (motion, &correction) in of.motions.iter().zip(border.iter().skip(of.first)) {
@@ -156,7 +175,7 @@ fn hinges<S: Simd, const FORCES: bool>(
     // Hinge k joins the front of link k to the rear of link k + 1.
     let (rear_x, rear_y) = (packs(&rear_x[1..], count), packs(&rear_y[1..], count));
     let on_front = packs(on_front, count);
-    let [bushing_x, bushing_y] = &mut ends.bushings;
+    let [bushing_x, bushing_y] = &mut ends.on_teeth;
     let (bushing_x, bushing_y) = (packs_mut(bushing_x, count), packs_mut(bushing_y, count));
     let force = packs_mut(force, count);
     let mut power = PartialSums::default();
@@ -178,6 +197,42 @@ fn hinges<S: Simd, const FORCES: bool>(
             );
             let [nx, ny] = read(simd, &group.normal, part);
             let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
+            power.add_part(part, power_by(simd, (group, part), gamma, closing));
+            if FORCES {
+                let push = push_by(simd, (group, part), gamma, closing);
+                add_to(simd, &mut force[number], part, push);
+            }
+        }
+    }
+    power.total()
+}
+
+/// Return the change of the power of the contacts between rollers and bushings, and add the changes of their forces. The corrections of the
+/// bushings are replaced by those of the rollers.
+#[inline(always)]
+fn rollers<S: Simd, const FORCES: bool>(
+    simd: S,
+    (gamma, slopes): (f64, &[SlopeGroup]),
+    rollers: [&[f64]; 2],
+    (on_teeth, force): (&mut [Numbers; 2], &mut [f64]),
+) -> f64 {
+    let gamma = Lanes::splat(simd, gamma);
+    let count = slopes.len();
+    let [x, y] = rollers.map(|axis| Entries::<S>::of(simd, axis));
+    let [to_x, to_y] = on_teeth;
+    let (to_x, to_y) = (packs_mut(to_x, count), packs_mut(to_y, count));
+    let force = packs_mut(force, count);
+    let mut power = PartialSums::default();
+    for number in 0..count {
+        let group = &slopes[number];
+        for part in parts::<S>() {
+            let (x, y) = (x.at(number, part), y.at(number, part));
+            let (to_x, to_y) = (&mut to_x[number], &mut to_y[number]);
+            let (of_x, of_y) = (part_of(simd, to_x, part), part_of(simd, to_y, part));
+            put_part(to_x, part, x);
+            put_part(to_y, part, y);
+            let [nx, ny] = read(simd, &group.normal, part);
+            let closing = nx.mul_add(x - of_x, ny * (y - of_y));
             power.add_part(part, power_by(simd, (group, part), gamma, closing));
             if FORCES {
                 let push = push_by(simd, (group, part), gamma, closing);
@@ -228,8 +283,8 @@ struct ToothPowers<'a> {
     slopes: &'a [SlopeGroup],
     candidates: &'a mut SprocketCandidates,
     pose: &'a SprocketPose,
-    /// Centres of the bushings \[m\].
-    bushing: &'a [Numbers; 2],
+    /// Centres of the bushings, or of the rollers \[m\].
+    bodies: &'a [Numbers; 2],
     /// Corrections of their velocities \[m/s\].
     correction: &'a [Numbers; 2],
 }
@@ -251,7 +306,7 @@ impl ToothPowers<'_> {
         for run in runs.iter() {
             let vectors = run.length.div_ceil(S::F64_LANES);
             let groups = run.length.div_ceil(WIDTH);
-            let ([x, y], [vx, vy]) = (self.bushing, self.correction);
+            let ([x, y], [vx, vy]) = (self.bodies, self.correction);
             let (x, y) = (
                 packs(&x[run.first..], groups),
                 packs(&y[run.first..], groups),

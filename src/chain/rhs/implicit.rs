@@ -2,7 +2,7 @@
 
 use super::{Kernels, on_teeth};
 use crate::chain::model::Model;
-use crate::chain::newton::{Evaluated, NewtonMatrix, PowerChange};
+use crate::chain::newton::{CorrectedRollers, Evaluated, NewtonMatrix, PowerChange};
 
 impl Kernels {
     /// Allocate Newton's matrix.
@@ -50,21 +50,29 @@ impl Kernels {
         }
     }
 
-    /// Change losses of the last evaluation and moments on the sprockets, and with `FORCES` forces and loads, to those after a correction
-    /// with γ, whose part on the border is `border`.
+    /// Change losses of the last evaluation and moments on the sprockets, and with `FORCES` forces and loads, to those after a `correction`
+    /// of all velocities with γ.
     pub(crate) fn correct_powers<const FORCES: bool>(
         &mut self,
         model: &Model,
-        (gamma, border): (f64, &[f64]),
+        (gamma, correction): (f64, &[f64]),
     ) {
         if let Some(newton) = &mut self.newton {
             newton.write_corrected_ends(self.instructions);
-            let [hinges, teeth] = self.instructions.run(PowerChange::<FORCES> {
+            let n = model.links;
+            let bodies = model.rollers.as_ref().zip(self.rollers.as_deref_mut());
+            let rollers = bodies.map(|(of, rollers)| CorrectedRollers {
+                arrays: &mut rollers.arrays,
+                correction: [0, n].map(|axis| &correction[of.first + axis..][..n]),
+            });
+            let border = &correction[3 * n..][..model.wheel_coordinates()];
+            let [hinges, bores, teeth] = self.instructions.run(PowerChange::<FORCES> {
                 matrix: newton,
-                links: model.links,
+                links: n,
                 gamma,
                 constants: &self.links,
                 chain: &mut self.chain,
+                rollers,
                 overhang: self.candidates.overhang,
                 candidates: &mut self.candidates.sprockets,
                 poses: &self.poses,
@@ -72,6 +80,7 @@ impl Kernels {
                 loads: &mut self.loads,
             });
             self.losses.hinge_contact += hinges;
+            self.losses.roller_contact += bores;
             self.losses.tooth_contact += teeth;
         }
     }
