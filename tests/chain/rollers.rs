@@ -84,6 +84,19 @@ fn forces_and_powers_after_a_correction_need_no_evaluation() {
 }
 
 #[test]
+fn only_steps_with_several_corrections_have_their_powers_from_an_evaluation() {
+    let mut run = simulation(&ForceLaws::default(), 100.0, newton(1e-10));
+    common::energies(&mut run, 0.02, 2e-3);
+    let (counts, taken) = (run.statistics().counts, run.statistics().energy_evaluations);
+    // At most so many steps took several corrections; the others have an evaluation in their middle, at most.
+    let several = counts.evaluations - counts.steps - counts.rejected;
+    assert!(
+        (3 * several / 4..several + counts.steps / 4).contains(&taken),
+        "{taken} {counts:?}"
+    );
+}
+
+#[test]
 fn both_correctors_follow_one_path_before_chaos() {
     for laws in [
         ForceLaws::default(),

@@ -203,8 +203,8 @@ pub fn elastic(table: &PairTable, pair: usize, compliance: f64, depth: f64) -> f
     pair.force(pressed)
 }
 
-/// Errors of the corrected dissipated and external power and of the largest error of a force, and the changes of the dissipated power and
-/// of this force by the correction. The residual of the velocities is `part` of γ times the accelerations.
+/// Errors of the corrected dissipated power, the largest of all kinds and their sum, of the external power and of a force, the largest, and
+/// the changes of the dissipated power and of this force by the correction. The residual of the velocities is `part` of γ times the accelerations.
 fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 5] {
     let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
     let mut dynamics = run.dynamics().clone();
@@ -237,18 +237,22 @@ fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 
     let exact = dynamics.evaluate(t, &corrected);
     dynamics.accelerations(t, &corrected, &mut slope);
     let forces_exact = forces(&dynamics);
-    let largest = |of: &[f64]| {
+    let differs = |of: &[f64]| {
         let differences = of.iter().zip(&forces_exact);
-        differences.fold(0.0, |largest: f64, (force, exact)| {
-            largest.max((force - exact).abs())
-        })
+        largest(
+            &differences
+                .map(|(of, exact)| of - exact)
+                .collect::<Vec<_>>(),
+        )
     };
+    let kinds = found.losses.values().into_iter().zip(exact.losses.values());
+    let errors: Vec<f64> = kinds.map(|(found, exact)| found - exact).collect();
     [
-        found.dissipated - exact.dissipated,
+        largest(&errors).max((found.dissipated - exact.dissipated).abs()),
         found.external_work - exact.external_work,
-        largest(&forces_found),
+        differs(&forces_found),
         exact.dissipated - before.dissipated,
-        largest(&forces_before),
+        differs(&forces_before),
     ]
 }
 

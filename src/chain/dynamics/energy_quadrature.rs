@@ -58,8 +58,13 @@ impl Dynamics {
     }
 
     /// Return whether forces and powers change by slopes: damped contacts alone.
-    pub(super) fn has_all_slopes(&self) -> bool {
+    fn has_all_slopes(&self) -> bool {
         !self.model.has_moments() && self.model.ends.is_none()
+    }
+
+    /// Return whether the powers at the end of a step with several corrections follow from the slopes of its last evaluation.
+    pub(super) fn corrects_powers_after_several(&self) -> bool {
+        self.has_all_slopes() && self.model.rollers.is_none()
     }
 
     /// Find the powers at the end of the last step, where energy is kept, and change the forces of the last evaluation to those at the end
@@ -76,8 +81,7 @@ impl Dynamics {
         let correction = adams.correction_after_evaluation();
         let first_is_last = adams.ended_with_first_correction();
         let forces_change = self.has_all_slopes() && first_is_last;
-        let powers_change =
-            forces_change || (self.has_all_slopes() && self.model.rollers.is_none());
+        let powers_change = forces_change || self.corrects_powers_after_several();
         let end = (step.end, adams.y());
         match correction {
             Some(correction) if (keeps && powers_change) || (peaks && forces_change) => {

@@ -56,8 +56,7 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn accelerations(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        // The powers at the end of a step follow from the slopes of its last evaluation.
-        let with_slopes = self.keeps_energy && self.has_all_slopes();
+        let with_slopes = self.keeps_energy && self.corrects_powers_after_several();
         self.accelerate_iterate(t, y, dydt, with_slopes);
     }
 

@@ -36,6 +36,9 @@ SCENES: dict[str, Callable[[], rc.Simulation]] = {
         replace(drive(), hinges="ideal"), solver=newton(3e-8)
     ),
     "rollers, 1e-8 m": lambda: rc.Simulation(drive(rollers="bodies"), solver=newton(1e-8)),
+    "rollers, ideal hinges": lambda: rc.Simulation(
+        replace(drive(rollers="bodies"), hinges="ideal"), solver=newton(1e-9)
+    ),
     "film, 1e-7 m": lambda: rc.Simulation(
         drive(), hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1)), solver=newton(1e-7)
     ),
@@ -67,7 +70,8 @@ def test_a_peak_is_the_force_of_a_step_end_after_its_last_correction(scene: str,
     simulation.step_to(0.02)
     record = ("hinges", "teeth", "energy") if energy else ("hinges", "teeth")
     rows = simulation.run(1e-3, 1e-7, record=record, progress=False)
-    for kind in ("hinge_force", "tooth_force"):
+    kinds = ["hinge_force", "tooth_force", *["roller_force"] * scene.startswith("rollers")]
+    for kind in kinds:
         assert_peaks_are_those_of_rows(rows, kind)
 
 
