@@ -1,7 +1,8 @@
 //! Elastic links: how far a strand stretches, and at which frequencies it vibrates along itself.
 
+use crate::common::checks::forces_and_powers_follow_from_a_correction;
 use crate::common::open::{at_rest, strand};
-use crate::common::{advance, control};
+use crate::common::{advance, control, paper_drive, simulation, tensioner};
 use nalgebra::{DMatrix, DVector};
 use rustchain::drive::{ChainEnd, Drive, LinkStiffness, Material, Plates};
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
@@ -191,4 +192,31 @@ fn plates_make_the_stiffness_that_they_have() {
     // Steel of 34 mm² at half an inch.
     let stiffness = drive.chain.axial_stiffness().unwrap();
     assert!((stiffness / 1.08e9 - 1.0).abs() < 0.01, "{stiffness:e}");
+}
+
+#[test]
+fn forces_and_powers_after_a_correction_need_no_evaluation() {
+    let elastic = [Elastic::Hertz, Elastic::Johnson];
+    let scenes = elastic.into_iter().flat_map(|elastic| {
+        [25.0, 100.0].map(|pretension| {
+            let law = ForceLaw {
+                elastic,
+                damping: Damping::LankaraniNikravesh,
+                ..ForceLaw::default()
+            };
+            let laws = ForceLaws {
+                hinge: law,
+                tooth: law,
+                ..ForceLaws::default()
+            };
+            let mut drive = paper_drive();
+            drive.tensioner = Some(tensioner(pretension, 2e-3));
+            // Plates softer than the contacts of the hinges.
+            drive.chain.link_stiffness = Some(LinkStiffness::Given(1e7));
+            let mut run = simulation(&drive, &laws, StepControl::default());
+            advance(&mut run, 8e-3);
+            (format!("{elastic:?} {pretension} N"), run)
+        })
+    });
+    assert_eq!(forces_and_powers_follow_from_a_correction(scenes), 8);
 }

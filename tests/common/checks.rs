@@ -204,8 +204,8 @@ pub fn elastic(table: &PairTable, pair: usize, compliance: f64, depth: f64) -> f
 }
 
 /// Errors of the corrected dissipated power, the largest of all kinds and their sum, of the external power and of a force, the largest, and
-/// the changes of the dissipated power and of this force by the correction. The residual of the velocities is `part` of γ times the accelerations.
-fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 5] {
+/// the changes of both powers and of this force by the correction. The residual of the velocities is `part` of γ times the accelerations.
+fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 6] {
     let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
     let mut dynamics = run.dynamics().clone();
     dynamics.keep_energy(true);
@@ -252,6 +252,7 @@ fn errors_of_corrected_forces(run: &Simulation, gamma: f64, part: f64) -> [f64; 
         found.external_work - exact.external_work,
         differs(&forces_found),
         exact.dissipated - before.dissipated,
+        exact.external_work - before.external_work,
         differs(&forces_before),
     ]
 }
@@ -268,7 +269,7 @@ pub fn forces_and_powers_follow_from_a_correction(
         }
         let begin = run.integrator().time() + 1e-3;
         // Sums of squares over several states: in a single one the change may be small by chance.
-        let mut squares = [[0.0; 5]; 2];
+        let mut squares = [[0.0; 6]; 2];
         for state in 1..=8 {
             super::advance(&mut run, begin + 5e-5 * f64::from(state));
             for (squares, gamma) in squares.iter_mut().zip(gammas) {
@@ -278,14 +279,14 @@ pub fn forces_and_powers_follow_from_a_correction(
                 }
             }
         }
-        for ([dissipated, external, force, change, change_of_force], gamma) in
+        for ([dissipated, external, force, lost, exchanged, pushed], gamma) in
             squares.into_iter().zip(gammas)
         {
             let errors = [
-                (dissipated / change).sqrt(),
-                (external / change).sqrt(),
+                (dissipated / lost).sqrt(),
+                (external / exchanged).sqrt(),
                 // The largest of all contacts, where the errors of sums cancel in part.
-                0.5 * (force / change_of_force).sqrt(),
+                0.5 * (force / pushed).sqrt(),
             ];
             // Left out is how far normals turn, as in the matrix, where slip over radius is up to 1e4 1/s, and a part of the second order.
             let allowed = 5e4 * gamma + 1e-3;

@@ -57,9 +57,10 @@ impl Dynamics {
         }
     }
 
-    /// Return whether forces and powers change by slopes: damped contacts alone.
+    /// Return whether forces and powers change by slopes: damped contacts alone, and plates in series with them.
     fn has_all_slopes(&self) -> bool {
-        !self.model.has_moments() && self.model.ends.is_none()
+        let model = &self.model;
+        !model.has_friction() && model.hinges.film.is_none() && model.ends.is_none()
     }
 
     /// Return whether the powers at the end of a step with several corrections follow from the slopes of its last evaluation.

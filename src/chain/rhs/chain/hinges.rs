@@ -290,17 +290,18 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             self.power.add(i, contact.power());
         }
         if let Some(slopes) = &mut self.slopes {
-            let alone = self.form.slope(self.law_constants, contact_depth, elastic);
-            let [mut stiffness, damping] = contact.slopes(alone);
+            let mut elastic_slope = self.form.slope(self.law_constants, contact_depth, elastic);
             if EXTRA && let Some(compliance) = self.compliance {
                 // Series of stiffness k and compliance c: k/(1 + c k).
-                stiffness = stiffness / load(simd, &compliance[i]).mul_add(alone, one);
+                let compliance = load(simd, &compliance[i]);
+                elastic_slope = elastic_slope / compliance.mul_add(elastic_slope, one);
             }
+            let [stiffness, damping] = contact.slopes(elastic_slope);
             let entries = [nx, ny, force, stiffness, damping, inverse_distance];
             let (group, part) = group_of::<S, _>(slopes, i);
             group.put(part, entries);
             if self.powers {
-                let power = contact.power_slopes(alone, [stiffness, damping]);
+                let power = contact.power_slopes(elastic_slope, [stiffness, damping]);
                 group.put_power(part, power);
             }
         }
