@@ -2,7 +2,7 @@
 
 use crate::common::checks::forces_and_powers_follow_from_a_correction;
 use crate::common::open::{at_rest, strand};
-use crate::common::{advance, control, paper_drive, simulation, tensioner};
+use crate::common::{advance, control, energies, paper_drive, simulation, tensioner};
 use nalgebra::{DMatrix, DVector};
 use rustchain::drive::{ChainEnd, Drive, LinkStiffness, Material, Plates};
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
@@ -194,29 +194,43 @@ fn plates_make_the_stiffness_that_they_have() {
     assert!((stiffness / 1.08e9 - 1.0).abs() < 0.01, "{stiffness:e}");
 }
 
+/// The published drive with elastic plates.
+fn with_plates(elastic: Elastic, pretension: f64) -> Simulation {
+    let law = ForceLaw {
+        elastic,
+        damping: Damping::LankaraniNikravesh,
+        ..ForceLaw::default()
+    };
+    let laws = ForceLaws {
+        hinge: law,
+        tooth: law,
+        ..ForceLaws::default()
+    };
+    let mut drive = paper_drive();
+    drive.tensioner = Some(tensioner(pretension, 2e-3));
+    // Plates softer than the contacts of the hinges.
+    drive.chain.link_stiffness = Some(LinkStiffness::Given(1e7));
+    simulation(&drive, &laws, StepControl::default())
+}
+
 #[test]
 fn forces_and_powers_after_a_correction_need_no_evaluation() {
-    let elastic = [Elastic::Hertz, Elastic::Johnson];
-    let scenes = elastic.into_iter().flat_map(|elastic| {
+    let scenes = [Elastic::Hertz, Elastic::Johnson].map(|elastic| {
         [25.0, 100.0].map(|pretension| {
-            let law = ForceLaw {
-                elastic,
-                damping: Damping::LankaraniNikravesh,
-                ..ForceLaw::default()
-            };
-            let laws = ForceLaws {
-                hinge: law,
-                tooth: law,
-                ..ForceLaws::default()
-            };
-            let mut drive = paper_drive();
-            drive.tensioner = Some(tensioner(pretension, 2e-3));
-            // Plates softer than the contacts of the hinges.
-            drive.chain.link_stiffness = Some(LinkStiffness::Given(1e7));
-            let mut run = simulation(&drive, &laws, StepControl::default());
+            let mut run = with_plates(elastic, pretension);
             advance(&mut run, 8e-3);
             (format!("{elastic:?} {pretension} N"), run)
         })
     });
-    assert_eq!(forces_and_powers_follow_from_a_correction(scenes), 8);
+    let compared = forces_and_powers_follow_from_a_correction(scenes.into_iter().flatten());
+    assert_eq!(compared, 8);
+}
+
+#[test]
+fn the_powers_at_the_ends_of_steps_take_no_evaluations() {
+    let mut run = with_plates(Elastic::Hertz, 100.0);
+    energies(&mut run, 0.02, 2e-3);
+    let (counts, taken) = (run.statistics().counts, run.statistics().energy_evaluations);
+    // One a step with evaluations at the ends.
+    assert!(taken < counts.steps / 2, "{taken} {counts:?}");
 }
