@@ -9,13 +9,13 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::time::Duration;
 
-use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
+use rustchain::Groups;
+use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
 use rustchain::math::simd::InstructionSet;
 use rustchain::multibody::{ContactLaw, ContactPair, Marker, MechanismModel, Profile, Tribology};
 use rustchain::run::MechanismSimulation;
-use rustchain::{ForceLaws, Groups};
 
 use common::mechanisms;
 use common::scenes::{Scene, geared_drive, laws};
@@ -62,16 +62,7 @@ fn the_counter_counts() {
 fn ten_milliseconds_with_hundreds_of_onsets_allocate_nothing() {
     for elastic in LAWS {
         for regions in [Regions::Kept, Regions::Sharp] {
-            let law = ForceLaw {
-                elastic,
-                damping: Damping::LankaraniNikravesh,
-                regions,
-            };
-            let laws = ForceLaws {
-                hinge: law,
-                tooth: law,
-                ..ForceLaws::default()
-            };
+            let laws = laws(elastic, Damping::LankaraniNikravesh, regions);
             for corrector in [Corrector::Pece, Corrector::Newton, Corrector::Auto] {
                 let control = StepControl {
                     corrector,

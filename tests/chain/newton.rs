@@ -4,8 +4,9 @@ use crate::common;
 use crate::common::checks::{
     forces_and_powers_follow_from_a_correction, matrix_is_that_of_finite_differences, newton,
 };
+use crate::common::scenes::laws;
 use rustchain::chain::dynamics::Dynamics;
-use rustchain::force_law::{Damping, Elastic, Film, ForceLaw};
+use rustchain::force_law::{Damping, Elastic, Film, Regions};
 use rustchain::integrator::{Adams, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::{ForceLaws, Simulation};
 
@@ -19,17 +20,7 @@ fn simulation(
     if pretension > 0.0 {
         drive.tensioner = Some(common::tensioner(pretension, 2e-3));
     }
-    let law = ForceLaw {
-        elastic,
-        damping,
-        ..ForceLaw::default()
-    };
-    let laws = ForceLaws {
-        hinge: law,
-        tooth: law,
-        ..ForceLaws::default()
-    };
-    common::simulation(&drive, &laws, control)
+    common::simulation(&drive, &laws(elastic, damping, Regions::Kept), control)
 }
 
 /// Laws of all forms, each with two pretensions, when hinges and teeth are pressed.
@@ -133,7 +124,7 @@ fn long_steps_and_films_have_double_precision() {
 
 #[test]
 fn forces_and_powers_after_a_correction_need_no_evaluation() {
-    let compared = forces_and_powers_follow_from_a_correction(pressed_scenes());
+    let compared = forces_and_powers_follow_from_a_correction(pressed_scenes(), 0.0);
     assert_eq!(compared, 16);
 }
 

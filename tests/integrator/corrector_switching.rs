@@ -2,7 +2,6 @@
 //! rates are known.
 
 use crate::common;
-use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::integrator::{Adams, Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::{ForceLaws, Simulation, Snapshot};
 
@@ -244,17 +243,7 @@ fn the_error_falls_with_the_accuracy_whatever_the_corrector() {
 fn paper(pretension: f64, control: StepControl) -> Simulation {
     let mut drive = common::paper_drive();
     drive.tensioner = (pretension > 0.0).then(|| common::tensioner(pretension, 2e-3));
-    let law = ForceLaw {
-        elastic: Elastic::Hertz,
-        damping: Damping::LankaraniNikravesh,
-        ..ForceLaw::default()
-    };
-    let laws = ForceLaws {
-        hinge: law,
-        tooth: law,
-        ..ForceLaws::default()
-    };
-    common::simulation(&drive, &laws, control)
+    common::simulation(&drive, &ForceLaws::default(), control)
 }
 
 fn of(corrector: Corrector, accuracy: f64) -> StepControl {

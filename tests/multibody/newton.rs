@@ -4,10 +4,13 @@ use crate::common;
 use std::sync::Arc;
 
 use crate::common::mechanisms::{bar_chain, ground};
+use crate::common::scenes::laws;
 use nalgebra::{DMatrix, DVector};
 use rustchain::ForceLaws;
 use rustchain::drive::Drive;
-use rustchain::force_law::{Damping, Elastic, Film, ForceLaw, Friction, LuGre, Regularization};
+use rustchain::force_law::{
+    Damping, Elastic, Film, ForceLaw, Friction, LuGre, Regions, Regularization,
+};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::math::{Signal, Table};
@@ -611,16 +614,7 @@ fn the_matrix_of_a_drive_laid_out_as_a_mechanism_is_the_chains_own() {
         (Elastic::Johnson, 100.0),
     ] {
         // Without damping, no onset has to be remembered the same.
-        let law = ForceLaw {
-            elastic,
-            damping: Damping::None,
-            ..ForceLaw::default()
-        };
-        let laws = ForceLaws {
-            hinge: law,
-            tooth: law,
-            ..ForceLaws::default()
-        };
+        let laws = laws(elastic, Damping::None, Regions::Kept);
         let mut drive = common::paper_drive();
         drive.tensioner = Some(common::tensioner(pretension, 2e-3));
         let mut run = common::simulation(&drive, &laws, common::control(1e-8));
@@ -634,7 +628,7 @@ fn the_matrix_of_a_drive_laid_out_as_a_mechanism_is_the_chains_own() {
         let coordinates = chain.coordinates();
         let motion = run.motion();
         let (positions, velocities) = (motion.positions(), motion.velocities());
-        let mechanism = as_mechanism(&drive, law, &positions, &velocities);
+        let mechanism = as_mechanism(&drive, laws.hinge, &positions, &velocities);
         let mut dynamics = dynamics(&mechanism);
         let n = dynamics.coordinates();
         let mut state: Vec<f64> = positions.concat();

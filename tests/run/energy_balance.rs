@@ -3,9 +3,10 @@
 //! The balance is kinetic + gravity + elastic + dissipated - worked in; its residual is what that moves from the start. The
 //! drive's kinetic energy is 0.073 J.
 
+use crate::common::scenes::laws;
 use crate::common::{Energies, advance, control, energies, paper_drive, simulation, tensioner};
 use rustchain::drive::{Bearing, Drive, SprocketMotion};
-use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
+use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::geometry::Vec2;
 use rustchain::{ForceLaws, Model};
 
@@ -75,16 +76,7 @@ fn regions_switched_sharply_under_load_leave_a_residual_that_kept_ones_do_not() 
 fn an_elastic_drive_dissipates_exactly_nothing_and_its_balance_closes() {
     // Measured over 20 ms at 1e-5 and 1e-7: Hertz 1.1e-6 and 9.3e-8 J, Johnson 1.0e-6 and 1.4e-8, enhanced 2.2e-6 and 1.1e-7.
     for elastic in [Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder] {
-        let law = ForceLaw {
-            elastic,
-            damping: Damping::None,
-            regions: Regions::Kept,
-        };
-        let laws = ForceLaws {
-            hinge: law,
-            tooth: law,
-            ..ForceLaws::default()
-        };
+        let laws = laws(elastic, Damping::None, Regions::Kept);
         for (tolerance, bound) in [(1e-5, 1e-5), (1e-7, 6e-7)] {
             let energy = balance(&paper_drive(), &laws, tolerance, 0.02);
             assert!(

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use crate::common::mechanisms::{self, bar_chain};
+use crate::common::scenes::laws;
 use crate::common::{advance, control, paper_drive, record, simulation, tensioner};
 use rustchain::drive::{Bearing, Drive, SprocketMotion};
-use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
+use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::{ForceLaws, Groups, Simulation, Snapshot};
 
@@ -21,19 +22,6 @@ fn pulled(pretension: f64) -> Drive {
     Drive {
         tensioner: (pretension > 0.0).then(|| tensioner(pretension, 0.01)),
         ..paper_drive()
-    }
-}
-
-fn laws(elastic: Elastic, damping: Damping) -> ForceLaws {
-    let law = ForceLaw {
-        elastic,
-        damping,
-        regions: Regions::Kept,
-    };
-    ForceLaws {
-        hinge: law,
-        tooth: law,
-        ..ForceLaws::default()
     }
 }
 
@@ -78,9 +66,13 @@ fn the_rest_of_a_run_is_the_same_whatever_drive_law_and_balance() {
     };
     for drive in [pulled(0.0), pulled(25.0), floating] {
         for laws in [
-            laws(Elastic::Hertz, Damping::LankaraniNikravesh),
-            laws(Elastic::EnhancedCylinder, Damping::LankaraniNikravesh),
-            laws(Elastic::Johnson, Damping::None),
+            laws(Elastic::Hertz, Damping::LankaraniNikravesh, Regions::Kept),
+            laws(
+                Elastic::EnhancedCylinder,
+                Damping::LankaraniNikravesh,
+                Regions::Kept,
+            ),
+            laws(Elastic::Johnson, Damping::None, Regions::Kept),
         ] {
             for energy in [false, true] {
                 let groups = Groups { energy, ..ALL };
@@ -186,7 +178,7 @@ fn a_state_of_another_scene_is_refused_with_what_differs() {
     advance(&mut own, 1e-3);
     let mut heavier = paper_drive();
     heavier.chain.outer.mass *= 1.0 + f64::EPSILON;
-    let johnson = self::laws(Elastic::Johnson, Damping::None);
+    let johnson = self::laws(Elastic::Johnson, Damping::None, Regions::Kept);
     let floor = ForceLaws {
         min_impact_velocity: 2e-3,
         ..laws
@@ -302,7 +294,7 @@ fn content_that_contradicts_itself_is_refused_whatever_its_checksum() {
 fn a_run_with_the_implicit_corrector_goes_on_to_the_same_bits() {
     let (drive, laws) = (
         pulled(25.0),
-        laws(Elastic::Hertz, Damping::LankaraniNikravesh),
+        laws(Elastic::Hertz, Damping::LankaraniNikravesh, Regions::Kept),
     );
     let newton = StepControl {
         corrector: Corrector::Newton,

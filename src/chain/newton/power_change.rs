@@ -197,11 +197,8 @@ fn hinges<S: Simd, const FORCES: bool>(
             );
             let [nx, ny] = read(simd, &group.normal, part);
             let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
-            power.add_part(part, power_by(simd, (group, part), gamma, closing));
-            if FORCES {
-                let push = push_by(simd, (group, part), gamma, closing);
-                add_to(simd, &mut force[number], part, push);
-            }
+            let to = (&mut power, &mut force[number]);
+            add_changes::<S, FORCES>(simd, (group, part), gamma, closing, to);
         }
     }
     power.total()
@@ -233,14 +230,26 @@ fn rollers<S: Simd, const FORCES: bool>(
             put_part(to_y, part, y);
             let [nx, ny] = read(simd, &group.normal, part);
             let closing = nx.mul_add(x - of_x, ny * (y - of_y));
-            power.add_part(part, power_by(simd, (group, part), gamma, closing));
-            if FORCES {
-                let push = push_by(simd, (group, part), gamma, closing);
-                add_to(simd, &mut force[number], part, push);
-            }
+            let to = (&mut power, &mut force[number]);
+            add_changes::<S, FORCES>(simd, (group, part), gamma, closing, to);
         }
     }
     power.total()
+}
+
+/// Add the changes of the power and the forces of contacts whose penetration rates change by `closing`.
+#[inline(always)]
+fn add_changes<S: Simd, const FORCES: bool>(
+    simd: S,
+    of: (&SlopeGroup, usize),
+    gamma: Lanes<S>,
+    closing: Lanes<S>,
+    (power, forces): (&mut PartialSums, &mut Pack),
+) {
+    power.add_part(of.1, power_by(simd, of, gamma, closing));
+    if FORCES {
+        add_to(simd, forces, of.1, push_by(simd, of, gamma, closing));
+    }
 }
 
 /// Return the change of the power of contacts whose penetration rates change by `closing`.
