@@ -175,9 +175,10 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         };
         let simpson = [at_start, middle, at_end];
         let accepted = || ACCEPTED_ERROR * scale.max(decisive(&middle));
-        self.powers.clear();
-        self.powers.extend(simpson);
-        let mut mean = simpson_mean(&self.powers);
+        // There are always three or more.
+        self.powers.truncate(simpson.len());
+        self.powers.copy_from_slice(&simpson);
+        let mut mean = simpson_mean(&simpson);
         let is_accurate = |before| is_below(error_of_half(simpson, before), accepted());
         let mut accurate = wanted.is_none() || before.is_some_and(is_accurate);
         let wanted = wanted.unwrap_or(Wanted::All);
@@ -259,6 +260,7 @@ fn decisive<P: PowerSum>(power: &P) -> f64 {
 }
 
 /// Return the mean of powers at equal distances by Simpson's rule.
+#[inline]
 fn simpson_mean<P: PowerSum>(powers: &[P]) -> P {
     // Most steps have one panel; their sums stay in registers.
     if let [start, middle, end] = powers {

@@ -223,7 +223,7 @@ impl Kernels {
             }
         }
         self.write_gaps(writes_gaps);
-        self.last_powers(model, t, y).external_work
+        self.outside_powers(model, t, y)[1]
     }
 
     /// Evaluate the forces of all contacts at `y`, and the losses where powers are kept.
@@ -242,17 +242,24 @@ impl Kernels {
     /// ends, motors, applied torques, tensioners and dashpots.
     pub(crate) fn last_powers(&self, model: &Model, t: f64, y: &[f64]) -> Powers {
         let mut powers = Powers::of(self.losses);
-        if let Some(ends) = &model.ends {
-            powers.external_work += ends.external_work(self.on_ends(ends), t);
-        }
+        let [dissipated, external] = self.outside_powers(model, t, y);
+        powers.dissipated += dissipated;
+        powers.external_work += external;
+        powers
+    }
+
+    /// Return the power dissipated in dashpots, and the external power: those of [`Self::last_powers`] that are not of contacts.
+    fn outside_powers(&self, model: &Model, t: f64, y: &[f64]) -> [f64; 2] {
+        let mut dissipated = 0.0;
+        let mut external =
+            (model.ends.as_ref()).map_or(0.0, |ends| ends.external_work(self.on_ends(ends), t));
         let speeds = &y[model.coordinates..];
         for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads) {
-            let speeds = (speeds, pose.spin);
-            let [dissipated, external] = outside_powers(sprocket, load, speeds, t);
-            powers.dissipated += dissipated;
-            powers.external_work += external;
+            let of = outside_powers(sprocket, load, (speeds, pose.spin), t);
+            dissipated += of[0];
+            external += of[1];
         }
-        powers
+        [dissipated, external]
     }
 
     /// Evaluate hinges and rollers at `y`, and their losses; return the largest squared distance of the bodies on the teeth from their
