@@ -2,7 +2,8 @@
 
 use crate::common;
 use crate::common::checks::{
-    corrections_have_the_same_bits, floating, keeps_momentum, lacks, newton,
+    corrections_have_the_same_bits, floating, forces_and_powers_follow_from_a_correction,
+    keeps_momentum, lacks, newton, powers_are_evaluated_after_several_corrections,
 };
 use crate::common::rubbing::{
     Standing, both_chains, kernels_beside_reference, lost, pulled, standing,
@@ -65,6 +66,32 @@ fn kernels_give_what_the_scalar_reference_gives() {
                 assert_eq!(losses[5] > 0.0, rolling && laws.hinge_friction.is_some());
             }
         }
+    }
+}
+
+#[test]
+fn forces_and_powers_after_a_correction_need_no_evaluation() {
+    let scenes = Regularization::ALL.map(|regularization| {
+        places(friction(regularization, 0.2)).map(|laws| {
+            let place = [laws.hinge_friction, laws.tooth_friction].map(|law| law.is_some());
+            [25.0, 100.0].map(|pretension| {
+                let mut run = drive(&laws, pretension);
+                common::advance(&mut run, 8e-3);
+                (format!("{regularization:?} {pretension} N {place:?}"), run)
+            })
+        })
+    });
+    let scenes = scenes.into_iter().flatten().flatten();
+    let compared = forces_and_powers_follow_from_a_correction(scenes, 0.0);
+    assert_eq!(compared, 36);
+}
+
+#[test]
+fn only_steps_with_several_corrections_have_their_powers_from_an_evaluation() {
+    for laws in places(friction(Regularization::Tanh, 0.1)) {
+        let mut run = drive(&laws, 100.0);
+        common::energies(&mut run, 0.02, 2e-3);
+        powers_are_evaluated_after_several_corrections(&run);
     }
 }
 

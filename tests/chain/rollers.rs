@@ -3,6 +3,7 @@
 use crate::common;
 use crate::common::checks::{
     forces_and_powers_follow_from_a_correction, matrix_is_that_of_finite_differences, newton,
+    powers_are_evaluated_after_several_corrections,
 };
 use crate::common::scenes::{Scene, laws};
 use rustchain::chain::dynamics::Dynamics;
@@ -75,13 +76,7 @@ fn forces_and_powers_after_a_correction_need_no_evaluation() {
 fn only_steps_with_several_corrections_have_their_powers_from_an_evaluation() {
     let mut run = simulation(&ForceLaws::default(), 100.0, newton(1e-10));
     common::energies(&mut run, 0.02, 2e-3);
-    let (counts, taken) = (run.statistics().counts, run.statistics().energy_evaluations);
-    // At most so many steps took several corrections; the others have an evaluation in their middle, at most.
-    let several = counts.evaluations - counts.steps - counts.rejected;
-    assert!(
-        (3 * several / 4..several + counts.steps / 4).contains(&taken),
-        "{taken} {counts:?}"
-    );
+    powers_are_evaluated_after_several_corrections(&run);
 }
 
 #[test]

@@ -295,3 +295,15 @@ pub fn forces_and_powers_follow_from_a_correction(
     }
     compared
 }
+
+/// Asserts that a run, made with Newton's method and smooth at the scale of its steps, evaluated the powers at the ends of steps with several
+/// corrections, and of no others.
+pub fn powers_are_evaluated_after_several_corrections(run: &Simulation) {
+    let (counts, taken) = (run.statistics().counts, run.statistics().energy_evaluations);
+    // At most so many steps took several corrections, rejected ones included; the others have an evaluation in their middle, at most.
+    let several = counts.evaluations - counts.steps - counts.rejected;
+    assert!(
+        (several / 2..several + counts.steps / 4).contains(&taken),
+        "{taken} {counts:?}"
+    );
+}

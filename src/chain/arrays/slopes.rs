@@ -33,6 +33,8 @@ pub(crate) struct FrictionGroup {
     pub(crate) slope: Pack8,
     /// Position of a hinge's contact point along the normal, relative to the centres of its front and rear ends \[m\].
     pub(crate) places: [Pack8; 2],
+    /// Sliding velocity \[m/s\], where energy is kept.
+    pub(crate) slip: Pack8,
 }
 
 /// Slopes of the films of eight hinges, as components along the eccentricity, across it, and mixed; all zero without a film.

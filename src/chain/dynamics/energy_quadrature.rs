@@ -57,15 +57,20 @@ impl Dynamics {
         }
     }
 
-    /// Return whether forces and powers change by slopes: damped contacts alone, and plates in series with them.
+    /// Return whether forces and powers change by slopes: those of damped contacts, of plates in series with them, and of regularised
+    /// friction.
     fn has_all_slopes(&self) -> bool {
         let model = &self.model;
-        !model.has_friction() && model.hinges.film.is_none() && model.ends.is_none()
+        let bristles = model.hinges.bristles.is_some() || model.teeth.bristles.is_some();
+        let rubs_rollers = model.rollers.is_some() && model.has_friction();
+        let others = bristles || rubs_rollers || model.hinges.film.is_some();
+        !others && model.ends.is_none()
     }
 
     /// Return whether the powers at the end of a step with several corrections follow from the slopes of its last evaluation.
     pub(super) fn corrects_powers_after_several(&self) -> bool {
-        self.has_all_slopes() && self.model.rollers.is_none()
+        let model = &self.model;
+        self.has_all_slopes() && model.rollers.is_none() && !model.has_friction()
     }
 
     /// Find the powers at the end of the last step, where energy is kept, and change the forces of the last evaluation to those at the end

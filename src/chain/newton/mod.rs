@@ -211,12 +211,12 @@ impl NewtonMatrix {
         [x, y].map(|axis| &axis[BASE - 1..BASE + hinges])
     }
 
-    /// Write the corrections of the velocities of the links' ends with the last correction.
-    pub(crate) fn write_corrected_ends(&mut self, instructions: InstructionSet) {
-        let corrected = &mut self.corrected;
+    /// Write the corrections of the velocities of the links' ends with the last correction; with `FRICTION` of angular velocities too.
+    pub(crate) fn write_corrected_ends<const FRICTION: bool>(&mut self, set: InstructionSet) {
+        let ends = &mut self.corrected;
         match (&self.double, &self.single) {
-            (Some(double), _) if self.is_double => double.write_ends(instructions, corrected),
-            (_, Some(single)) => single.write_ends(instructions, corrected),
+            (Some(double), _) if self.is_double => double.write_ends::<FRICTION>(set, ends),
+            (_, Some(single)) => single.write_ends::<FRICTION>(set, ends),
             _ => {}
         }
     }

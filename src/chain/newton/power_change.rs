@@ -2,7 +2,8 @@
 //!
 //! A step of Newton's method has its last evaluation before its last correction. This correction Δv changes the penetration rate of a
 //! contact by n·Δv, with the relative velocity of its two points, and its penetration by γ n·Δv. Slopes of force and power are those of
-//! the evaluation: forces are of first order, powers of second order in Δv. The turn of the normals is left out, as in the matrix.
+//! the evaluation: forces are of first order, powers of second order in Δv. The turn of the normals is left out, as in the matrix. Friction
+//! follows from its law, with the changed normal force and sliding velocity.
 
 use pulp::{Simd, WithSimd};
 
@@ -10,9 +11,11 @@ use super::tooth_motion::BorderMotion;
 use super::{Factors, NewtonMatrix, SprocketMotions};
 use crate::chain::arrays::layout::{ChainArrays, LinkConstants};
 use crate::chain::arrays::pose::SprocketPose;
-use crate::chain::arrays::slopes::SlopeGroup;
+use crate::chain::arrays::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
 use crate::chain::contact::SprocketCandidates;
 use crate::chain::loads::SprocketLoad;
+use crate::chain::powers::Losses;
+use crate::force_law::{Friction, RegularizedFriction};
 use crate::geometry::Vec2;
 use crate::math::simd::{
     Entries, InstructionSet, Lanes, Number, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut,
@@ -22,10 +25,10 @@ use crate::math::simd::{
 /// Corrections of the velocities of the links' ends and of the bodies on the teeth, for scratch.
 #[derive(Debug, Clone)]
 pub(super) struct CorrectedEnds {
-    /// Fronts, x and y, and rears; a copy of the first rear follows the last. The fifth array is that of friction and not used.
+    /// Fronts, x and y, rears, and with friction angular velocities; copies of the first rear and angular velocity follow the last.
     links: [Numbers; 5],
-    /// Bodies on the teeth, x and y: bushings, or rollers. Copies of the first ones follow the last.
-    on_teeth: [Numbers; 2],
+    /// Bodies on the teeth, x and y: bushings, or rollers; with friction their angular velocities. Copies of the first ones follow the last.
+    on_teeth: [Numbers; 3],
 }
 
 impl CorrectedEnds {
@@ -34,15 +37,15 @@ impl CorrectedEnds {
         let zeros = || padded_zeros(padded(2 * links + 3 * WIDTH));
         Self {
             links: [(); 5].map(|()| zeros()),
-            on_teeth: [zeros(), zeros()],
+            on_teeth: [(); 3].map(|()| zeros()),
         }
     }
 }
 
-/// Kernel: write the corrections of the velocities of the links' ends with the last correction.
-struct WriteEnds<'a, T: Number>(&'a Factors<T>, &'a mut CorrectedEnds);
+/// Kernel: write the corrections of the velocities of the links' ends with the last correction; with `FRICTION` of angular velocities too.
+struct WriteEnds<'a, T: Number, const FRICTION: bool>(&'a Factors<T>, &'a mut CorrectedEnds);
 
-impl<T: Number> WithSimd for WriteEnds<'_, T> {
+impl<T: Number, const FRICTION: bool> WithSimd for WriteEnds<'_, T, FRICTION> {
     type Output = ();
 
     #[inline(always)]
@@ -54,14 +57,18 @@ impl<T: Number> WithSimd for WriteEnds<'_, T> {
             ends,
         ) = self;
         let simd = T::vectors(simd);
-        links.write_ends::<_, false>(simd, unknowns, &mut ends.links);
+        links.write_ends::<_, FRICTION>(simd, unknowns, &mut ends.links);
     }
 }
 
 impl<T: Number> Factors<T> {
     /// Write the corrections of the velocities of the links' ends with the last correction.
-    pub(super) fn write_ends(&self, instructions: InstructionSet, ends: &mut CorrectedEnds) {
-        T::run(instructions, WriteEnds(self, ends));
+    pub(super) fn write_ends<const FRICTION: bool>(
+        &self,
+        instructions: InstructionSet,
+        ends: &mut CorrectedEnds,
+    ) {
+        T::run(instructions, WriteEnds::<_, FRICTION>(self, ends));
     }
 }
 
@@ -72,10 +79,11 @@ pub(crate) struct CorrectedRollers<'a> {
     pub(crate) correction: [&'a [f64]; 2],
 }
 
-/// Kernel: return the changes of the powers of hinges, rollers and teeth \[W\] with the last correction; add those of their forces, and of
-/// the loads on the sprockets. The corrections of the links' ends must be written, and the slopes must be those of the last evaluation,
-/// without friction. Without `FORCES`, forces stay, and of the loads only the moments change: the powers need no more.
-pub(crate) struct PowerChange<'a, const FORCES: bool> {
+/// Kernel: return the changes of the powers dissipated with the last correction; add those of the normal forces, and of the loads on the
+/// sprockets. The corrections of the links' ends must be written, and the slopes must be those of the last evaluation. Without `FORCES`,
+/// forces stay, and of the loads only the moments change: the powers need no more. `FRICTION`: with regularised friction, where rollers are
+/// no bodies.
+pub(crate) struct PowerChange<'a, const FORCES: bool, const FRICTION: bool> {
     pub(crate) matrix: &'a mut NewtonMatrix,
     pub(crate) links: usize,
     pub(crate) gamma: f64,
@@ -84,17 +92,21 @@ pub(crate) struct PowerChange<'a, const FORCES: bool> {
     pub(crate) rollers: Option<CorrectedRollers<'a>>,
     pub(crate) candidates: &'a mut [SprocketCandidates],
     pub(crate) overhang: usize,
+    /// Friction of hinges and teeth for `FRICTION`.
+    pub(crate) friction: [Option<&'a Friction>; 2],
+    /// Radius of the bushings on the teeth \[m\].
+    pub(crate) bushing_radius: f64,
     pub(crate) poses: &'a [SprocketPose],
     /// Corrections of the coordinates on the border.
     pub(crate) border: &'a [f64],
     pub(crate) loads: &'a mut [SprocketLoad],
 }
 
-impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
-    type Output = [f64; 3];
+impl<const FORCES: bool, const FRICTION: bool> WithSimd for PowerChange<'_, FORCES, FRICTION> {
+    type Output = Losses;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
+    fn with_simd<S: Simd>(self, simd: S) -> Losses {
         let Self { matrix, gamma, .. } = self;
         let NewtonMatrix {
             slopes,
@@ -102,18 +114,31 @@ impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
             motions,
             ..
         } = matrix;
-        for rear in &mut corrected.links[2..4] {
-            rear[self.links] = rear[0];
+        for behind in &mut corrected.links[2..] {
+            behind[self.links] = behind[0];
         }
-        let of_hinges = hinges::<S, FORCES>(
+        let ChainArrays {
+            bushing,
+            force,
+            friction,
+            ..
+        } = self.chain;
+        let [hinge_contact, hinge_friction] = hinges::<S, FORCES, FRICTION>(
             simd,
-            (gamma, &slopes.hinges.normal),
+            (gamma, &slopes.hinges),
             &self.constants.bushing_on_front,
-            (corrected, &mut self.chain.force),
+            corrected,
+            force,
+            self.friction[0].map(|law| (law, &friction[..])),
         );
-        let (mut of_rollers, mut bodies) = (0.0, &self.chain.bushing);
+        let mut losses = Losses {
+            hinge_contact,
+            hinge_friction,
+            ..Losses::default()
+        };
+        let mut bodies = &*bushing;
         if let Some(CorrectedRollers { arrays, correction }) = self.rollers {
-            of_rollers = rollers::<S, FORCES>(
+            losses.roller_contact = rollers::<S, FORCES>(
                 simd,
                 (gamma, &slopes.rollers.normal),
                 correction,
@@ -124,23 +149,25 @@ impl<const FORCES: bool> WithSimd for PowerChange<'_, FORCES> {
         for body in &mut corrected.on_teeth {
             body.copy_within(..self.overhang, self.links);
         }
-        let mut of_teeth = 0.0;
         for (s, load) in self.loads.iter_mut().enumerate() {
             let teeth = ToothPowers {
                 gamma,
-                slopes: &slopes.teeth[s].normal,
+                friction: self.friction[1],
+                bushing_radius: self.bushing_radius,
+                slopes: &slopes.teeth[s],
                 candidates: &mut self.candidates[s],
                 pose: &self.poses[s],
                 bodies,
                 correction: &corrected.on_teeth,
             };
-            let [power, x, y, moment] =
-                teeth.sums::<S, FORCES>(simd, moved(&motions[s], self.border));
-            of_teeth += power;
+            let [contact, friction, x, y, moment] =
+                teeth.sums::<S, FORCES, FRICTION>(simd, moved(&motions[s], self.border));
+            losses.tooth_contact += contact;
+            losses.tooth_friction += friction;
             load.force += Vec2::new(x, y);
             load.moment += moment;
         }
-        [of_hinges, of_rollers, of_teeth]
+        losses
     }
 }
 
@@ -160,27 +187,34 @@ fn moved(of: &SprocketMotions, border: &[f64]) -> [f64; 3] {
     moved
 }
 
-/// Return the change of the power of the hinges; write the corrections of the bushings, and add the changes of the forces.
+/// Return the changes of the powers of damping and friction in the hinges; write the corrections of the bushings, and add the changes of the
+/// normal forces.
 #[inline(always)]
-fn hinges<S: Simd, const FORCES: bool>(
+fn hinges<S: Simd, const FORCES: bool, const FRICTION: bool>(
     simd: S,
-    (gamma, slopes): (f64, &[SlopeGroup]),
+    (gamma, slopes): (f64, &ContactSlopes),
     on_front: &[f64],
-    (ends, force): (&mut CorrectedEnds, &mut [f64]),
-) -> f64 {
+    ends: &mut CorrectedEnds,
+    force: &mut [f64],
+    friction: Option<(&Friction, &[f64])>,
+) -> [f64; 2] {
     let (gamma, zero) = (Lanes::splat(simd, gamma), Lanes::splat(simd, 0.0));
-    let count = slopes.len();
-    let [front_x, front_y, rear_x, rear_y, _] = &ends.links;
+    let count = slopes.normal.len();
+    let [front_x, front_y, rear_x, rear_y, spin] = &ends.links;
     let (front_x, front_y) = (packs(front_x, count), packs(front_y, count));
     // Hinge k joins the front of link k to the rear of link k + 1.
     let (rear_x, rear_y) = (packs(&rear_x[1..], count), packs(&rear_y[1..], count));
+    let (front_spin, rear_spin) = (packs(spin, count), packs(&spin[1..], count));
     let on_front = packs(on_front, count);
-    let [bushing_x, bushing_y] = &mut ends.on_teeth;
+    let [bushing_x, bushing_y, bushing_spin] = &mut ends.on_teeth;
     let (bushing_x, bushing_y) = (packs_mut(bushing_x, count), packs_mut(bushing_y, count));
+    let bushing_spin = packs_mut(bushing_spin, count);
     let force = packs_mut(force, count);
-    let mut power = PartialSums::default();
+    let friction =
+        friction.map(|(law, present)| (RegularizedFriction::new(simd, law), packs(present, count)));
+    let [mut power, mut friction_power] = [PartialSums::default(); 2];
     for number in 0..count {
-        let group = &slopes[number];
+        let group = &slopes.normal[number];
         for part in parts::<S>() {
             let at = |array: &[Pack]| part_of(simd, &array[number], part);
             let (front, rear) = ([at(front_x), at(front_y)], [at(rear_x), at(rear_y)]);
@@ -196,12 +230,28 @@ fn hinges<S: Simd, const FORCES: bool>(
                 of_front.select(front[1], rear[1]),
             );
             let [nx, ny] = read(simd, &group.normal, part);
-            let closing = nx.mul_add(front[0] - rear[0], ny * (front[1] - rear[1]));
+            let (vx, vy) = (front[0] - rear[0], front[1] - rear[1]);
+            let closing = nx.mul_add(vx, ny * vy);
+            if FRICTION {
+                let (front, rear) = (at(front_spin), at(rear_spin));
+                let turned = of_front.select(front, rear);
+                put_part(&mut bushing_spin[number], part, turned);
+                if let Some((law, present)) = &friction {
+                    let rubbing = &slopes.friction[number];
+                    let [from_front, from_rear] = read(simd, &rubbing.places, part);
+                    let turning = from_front.mul_add(front, -(from_rear * rear));
+                    let sliding = nx.mul_add(vy, -(ny * vx)) + turning;
+                    let push = push_by(simd, (group, part), gamma, closing);
+                    let of = (group, rubbing, part);
+                    let [_, change] = friction_by(law, at(present), of, [push, sliding]);
+                    friction_power.add_part(part, change);
+                }
+            }
             let to = (&mut power, &mut force[number]);
             add_changes::<S, FORCES>(simd, (group, part), gamma, closing, to);
         }
     }
-    power.total()
+    [power.total(), friction_power.total_if(FRICTION)]
 }
 
 /// Return the change of the power of the contacts between rollers and bushings, and add the changes of their forces. The corrections of the
@@ -211,12 +261,12 @@ fn rollers<S: Simd, const FORCES: bool>(
     simd: S,
     (gamma, slopes): (f64, &[SlopeGroup]),
     rollers: [&[f64]; 2],
-    (on_teeth, force): (&mut [Numbers; 2], &mut [f64]),
+    (on_teeth, force): (&mut [Numbers; 3], &mut [f64]),
 ) -> f64 {
     let gamma = Lanes::splat(simd, gamma);
     let count = slopes.len();
     let [x, y] = rollers.map(|axis| Entries::<S>::of(simd, axis));
-    let [to_x, to_y] = on_teeth;
+    let [to_x, to_y, _] = on_teeth;
     let (to_x, to_y) = (packs_mut(to_x, count), packs_mut(to_y, count));
     let force = packs_mut(force, count);
     let mut power = PartialSums::default();
@@ -279,6 +329,28 @@ fn push_by<S: Simd>(
     gamma.mul_add(slopes.stiffness.at(simd, part), damping) * closing
 }
 
+/// Return the changes of friction \[N\] and of its power \[W\] for contacts with the `present` friction, whose normal force and sliding
+/// velocity change by `push` and `sliding`.
+///
+/// They follow from the law: at a loose accuracy the sliding velocity can change by more than that of full friction.
+#[inline(always)]
+fn friction_by<S: Simd>(
+    law: &RegularizedFriction<Lanes<S>>,
+    present: Lanes<S>,
+    (normal, slopes, part): (&SlopeGroup, &FrictionGroup, usize),
+    [push, sliding]: [Lanes<S>; 2],
+) -> [Lanes<S>; 2] {
+    let simd = present.simd();
+    let force = (normal.force.at(simd, part) + push).positive_part();
+    let before = slopes.slip.at(simd, part);
+    let slip = before + sliding;
+    let [friction, _] = law.force(force, slip);
+    [
+        friction - present,
+        friction.mul_add(slip, -(present * before)),
+    ]
+}
+
 /// Add a change to forces, which push only.
 #[inline(always)]
 fn add_to<S: Simd>(simd: S, forces: &mut Pack, part: usize, change: Lanes<S>) {
@@ -289,33 +361,42 @@ fn add_to<S: Simd>(simd: S, forces: &mut Pack, part: usize, change: Lanes<S>) {
 /// Candidates of one sprocket.
 struct ToothPowers<'a> {
     gamma: f64,
-    slopes: &'a [SlopeGroup],
+    friction: Option<&'a Friction>,
+    /// Radius of the bushings \[m\].
+    bushing_radius: f64,
+    slopes: &'a ContactSlopes,
     candidates: &'a mut SprocketCandidates,
     pose: &'a SprocketPose,
     /// Centres of the bushings, or of the rollers \[m\].
     bodies: &'a [Numbers; 2],
-    /// Corrections of their velocities \[m/s\].
-    correction: &'a [Numbers; 2],
+    /// Corrections of their velocities \[m/s\], and with friction of their angular velocities \[rad/s\].
+    correction: &'a [Numbers; 3],
 }
 
 impl ToothPowers<'_> {
-    /// Return the changes of the power dissipated, the force on the sprocket and its moment for a sprocket with these corrections of its
-    /// velocities; add those of the forces of the contacts.
+    /// Return the changes of the powers of damping and friction, of the force on the sprocket and of its moment, for a sprocket with these
+    /// corrections of its velocities; add those of the normal forces of the contacts.
     #[inline(always)]
-    fn sums<S: Simd, const FORCES: bool>(
+    fn sums<S: Simd, const FORCES: bool, const FRICTION: bool>(
         self,
         simd: S,
         [of_x, of_y, of_spin]: [f64; 3],
-    ) -> [f64; 4] {
+    ) -> [f64; 5] {
         let splat = |value| Lanes::splat(simd, value);
-        let (gamma, zero) = (splat(self.gamma), splat(0.0));
+        let (gamma, zero, radius) = (splat(self.gamma), splat(0.0), splat(self.bushing_radius));
         let center = splat_two(simd, self.pose.center);
-        let mut sums = [PartialSums::default(); 4];
-        let SprocketCandidates { runs, force, .. } = self.candidates;
+        let law = self.friction.map(|law| RegularizedFriction::new(simd, law));
+        let mut sums = [PartialSums::default(); 5];
+        let SprocketCandidates {
+            runs,
+            force,
+            friction,
+            ..
+        } = self.candidates;
         for run in runs.iter() {
             let vectors = run.length.div_ceil(S::F64_LANES);
             let groups = run.length.div_ceil(WIDTH);
-            let ([x, y], [vx, vy]) = (self.bodies, self.correction);
+            let ([x, y], [vx, vy, spin]) = (self.bodies, self.correction);
             let (x, y) = (
                 packs(&x[run.first..], groups),
                 packs(&y[run.first..], groups),
@@ -324,8 +405,11 @@ impl ToothPowers<'_> {
                 packs(&vx[run.first..], groups),
                 packs(&vy[run.first..], groups),
             );
-            let slopes = &self.slopes[run.slot / WIDTH..][..groups];
+            let spin = packs(&spin[run.first..], groups);
+            let first = run.slot / WIDTH;
+            let slopes = &self.slopes.normal[first..][..groups];
             let force = packs_mut(&mut force[run.slot..], groups);
+            let friction = packs(&friction[run.slot..], groups);
             for number in 0..groups {
                 let group = &slopes[number];
                 for part in parts::<S>() {
@@ -343,17 +427,36 @@ impl ToothPowers<'_> {
                     let [nx, ny] = read(simd, &group.normal, part);
                     let closing = nx.mul_add(vx, ny * vy);
                     let push = push_by(simd, (group, part), gamma, closing);
+                    let (mut push_x, mut push_y) = (push * nx, push * ny);
+                    let mut moment = push * x.mul_add(ny, -(y * nx));
+                    if FRICTION && let Some(law) = &law {
+                        let turning = radius * (at(spin) - splat(of_spin));
+                        let sliding = nx.mul_add(vy, -(ny * vx)) + turning;
+                        let of = (group, &self.slopes.friction[first + number], part);
+                        let [change, power] = friction_by(law, at(friction), of, [push, sliding]);
+                        sums[1].add_part(part, power);
+                        push_x = push_x - change * ny;
+                        push_y = change.mul_add(nx, push_y);
+                        let arm = x.mul_add(nx, y.mul_add(ny, radius));
+                        moment = change.mul_add(arm, moment);
+                    }
                     if FORCES {
                         add_to(simd, &mut force[number], part, push);
-                        sums[1].add_part(part, push * nx);
-                        sums[2].add_part(part, push * ny);
+                        sums[2].add_part(part, push_x);
+                        sums[3].add_part(part, push_y);
                     }
                     sums[0].add_part(part, power_by(simd, (group, part), gamma, closing));
-                    sums[3].add_part(part, push * x.mul_add(ny, -(y * nx)));
+                    sums[4].add_part(part, moment);
                 }
             }
         }
-        let [power, x, y, moment] = sums;
-        [power.total(), x.total(), y.total(), moment.total()]
+        let [contact, friction, x, y, moment] = sums;
+        [
+            contact.total(),
+            friction.total_if(FRICTION),
+            x.total(),
+            y.total(),
+            moment.total(),
+        ]
     }
 }

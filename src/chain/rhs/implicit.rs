@@ -50,39 +50,57 @@ impl Kernels {
         }
     }
 
-    /// Change losses of the last evaluation and moments on the sprockets, and with `FORCES` forces and loads, to those after a `correction`
-    /// of all velocities with γ.
+    /// Change losses of the last evaluation and moments on the sprockets, and with `FORCES` normal forces and loads, to those after a
+    /// `correction` of all velocities with γ.
     pub(crate) fn correct_powers<const FORCES: bool>(
+        &mut self,
+        model: &Model,
+        correction: (f64, &[f64]),
+    ) {
+        if model.has_friction() {
+            self.correct_powers_of::<FORCES, true>(model, correction);
+        } else {
+            self.correct_powers_of::<FORCES, false>(model, correction);
+        }
+    }
+
+    /// The same with or without friction.
+    fn correct_powers_of<const FORCES: bool, const FRICTION: bool>(
         &mut self,
         model: &Model,
         (gamma, correction): (f64, &[f64]),
     ) {
-        if let Some(newton) = &mut self.newton {
-            newton.write_corrected_ends(self.instructions);
-            let n = model.links;
-            let bodies = model.rollers.as_ref().zip(self.rollers.as_deref_mut());
-            let rollers = bodies.map(|(of, rollers)| CorrectedRollers {
-                arrays: &mut rollers.arrays,
-                correction: [0, n].map(|axis| &correction[of.first + axis..][..n]),
-            });
-            let border = &correction[3 * n..][..model.wheel_coordinates()];
-            let [hinges, bores, teeth] = self.instructions.run(PowerChange::<FORCES> {
-                matrix: newton,
-                links: n,
-                gamma,
-                constants: &self.links,
-                chain: &mut self.chain,
-                rollers,
-                overhang: self.candidates.overhang,
-                candidates: &mut self.candidates.sprockets,
-                poses: &self.poses,
-                border,
-                loads: &mut self.loads,
-            });
-            self.losses.hinge_contact += hinges;
-            self.losses.roller_contact += bores;
-            self.losses.tooth_contact += teeth;
-        }
+        let Some(newton) = &mut self.newton else {
+            return;
+        };
+        newton.write_corrected_ends::<FRICTION>(self.instructions);
+        let n = model.links;
+        let bodies = model.rollers.as_ref().zip(self.rollers.as_deref_mut());
+        let rollers = bodies.map(|(of, rollers)| CorrectedRollers {
+            arrays: &mut rollers.arrays,
+            correction: [0, n].map(|axis| &correction[of.first + axis..][..n]),
+        });
+        let border = &correction[3 * n..][..model.wheel_coordinates()];
+        let change = self.instructions.run(PowerChange::<FORCES, FRICTION> {
+            matrix: newton,
+            links: n,
+            gamma,
+            constants: &self.links,
+            chain: &mut self.chain,
+            rollers,
+            overhang: self.candidates.overhang,
+            friction: [&model.hinges.friction, &model.teeth.friction].map(Option::as_ref),
+            bushing_radius: model.teeth.contact_radius,
+            candidates: &mut self.candidates.sprockets,
+            poses: &self.poses,
+            border,
+            loads: &mut self.loads,
+        });
+        self.losses.hinge_contact += change.hinge_contact;
+        self.losses.hinge_friction += change.hinge_friction;
+        self.losses.roller_contact += change.roller_contact;
+        self.losses.tooth_contact += change.tooth_contact;
+        self.losses.tooth_friction += change.tooth_friction;
     }
 
     /// Overwrite a residual of the velocities with the correction, the solution with the last matrix.
