@@ -39,17 +39,40 @@ fn pressed_scenes() -> Vec<(String, Simulation)> {
     ] {
         for pretension in [25.0, 100.0] {
             let laws = laws(elastic, damping, Regions::Kept);
-            let mut run = simulation(&laws, pretension, common::control(1e-5));
-            let mut time = 8e-3;
-            common::advance(&mut run, time);
-            while !all_kinds_touch(run.dynamics()) {
-                time += 1e-4;
-                common::advance(&mut run, time);
-            }
+            let run = pressed(&laws, pretension);
             scenes.push((format!("{elastic:?} {damping:?} {pretension} N"), run));
         }
     }
     scenes
+}
+
+/// Friction in hinges and rollers, on teeth, and both, in the same state.
+fn rubbed_scenes() -> Vec<(String, Simulation)> {
+    let mut scenes = Vec::new();
+    for [hinges, teeth] in [[true, false], [false, true], [true, true]] {
+        for pretension in [25.0, 100.0] {
+            let laws = ForceLaws {
+                hinge_friction: RUBBED.filter(|_| hinges),
+                tooth_friction: RUBBED.filter(|_| teeth),
+                ..ForceLaws::default()
+            };
+            let run = pressed(&laws, pretension);
+            scenes.push((format!("rubbed {hinges} {teeth} {pretension} N"), run));
+        }
+    }
+    scenes
+}
+
+/// A run when hinges, rollers and teeth are pressed.
+fn pressed(laws: &ForceLaws, pretension: f64) -> Simulation {
+    let mut run = simulation(laws, pretension, common::control(1e-5));
+    let mut time = 8e-3;
+    common::advance(&mut run, time);
+    while !all_kinds_touch(run.dynamics()) {
+        time += 1e-4;
+        common::advance(&mut run, time);
+    }
+    run
 }
 
 /// Whether some hinge, some bushing in its roller and some roller on a tooth touch.
@@ -68,8 +91,9 @@ fn the_matrix_is_that_of_finite_differences_but_for_angles_turned_in_a_step() {
 
 #[test]
 fn forces_and_powers_after_a_correction_need_no_evaluation() {
-    let compared = forces_and_powers_follow_from_a_correction(pressed_scenes(), 0.0);
-    assert_eq!(compared, 12);
+    let scenes = pressed_scenes().into_iter().chain(rubbed_scenes());
+    let compared = forces_and_powers_follow_from_a_correction(scenes, 0.0);
+    assert_eq!(compared, 24);
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub(crate) struct FrictionGroup {
     pub(crate) slope: Pack8,
     /// Position of a hinge's contact point along the normal, relative to the centres of its front and rear ends \[m\].
     pub(crate) places: [Pack8; 2],
-    /// Sliding velocity \[m/s\], where energy is kept.
+    /// Sliding velocity \[m/s\].
     pub(crate) slip: Pack8,
 }
 

@@ -62,9 +62,7 @@ impl Dynamics {
     fn has_all_slopes(&self) -> bool {
         let model = &self.model;
         let bristles = model.hinges.bristles.is_some() || model.teeth.bristles.is_some();
-        let rubs_rollers = model.rollers.is_some() && model.has_friction();
-        let others = bristles || rubs_rollers || model.hinges.film.is_some();
-        !others && model.ends.is_none()
+        !bristles && model.hinges.film.is_none() && model.ends.is_none()
     }
 
     /// Return whether the powers at the end of a step with several corrections follow from the slopes of its last evaluation.

@@ -75,14 +75,13 @@ impl<T: Number> Factors<T> {
 /// Rollers that are bodies, and the corrections of their velocities.
 pub(crate) struct CorrectedRollers<'a> {
     pub(crate) arrays: &'a mut ChainArrays,
-    /// Corrections, x and y \[m/s\].
-    pub(crate) correction: [&'a [f64]; 2],
+    /// Corrections, x and y \[m/s\], and of the angular velocities \[rad/s\].
+    pub(crate) correction: [&'a [f64]; 3],
 }
 
 /// Kernel: return the changes of the powers dissipated with the last correction; add those of the normal forces, and of the loads on the
 /// sprockets. The corrections of the links' ends must be written, and the slopes must be those of the last evaluation. Without `FORCES`,
-/// forces stay, and of the loads only the moments change: the powers need no more. `FRICTION`: with regularised friction, where rollers are
-/// no bodies.
+/// forces stay, and of the loads only the moments change: the powers need no more. `FRICTION`: with regularised friction.
 pub(crate) struct PowerChange<'a, const FORCES: bool, const FRICTION: bool> {
     pub(crate) matrix: &'a mut NewtonMatrix,
     pub(crate) links: usize,
@@ -92,7 +91,7 @@ pub(crate) struct PowerChange<'a, const FORCES: bool, const FRICTION: bool> {
     pub(crate) rollers: Option<CorrectedRollers<'a>>,
     pub(crate) candidates: &'a mut [SprocketCandidates],
     pub(crate) overhang: usize,
-    /// Friction of hinges and teeth for `FRICTION`.
+    /// Friction of hinges and rollers, and of teeth, for `FRICTION`.
     pub(crate) friction: [Option<&'a Friction>; 2],
     /// Radius of the bushings on the teeth \[m\].
     pub(crate) bushing_radius: f64,
@@ -123,13 +122,13 @@ impl<const FORCES: bool, const FRICTION: bool> WithSimd for PowerChange<'_, FORC
             friction,
             ..
         } = self.chain;
+        let [in_joints, on_teeth] = self.friction;
+        let joints = JointChanges::new(simd, (gamma, &slopes.hinges), (force, friction), in_joints);
         let [hinge_contact, hinge_friction] = hinges::<S, FORCES, FRICTION>(
             simd,
-            (gamma, &slopes.hinges),
+            joints,
             &self.constants.bushing_on_front,
             corrected,
-            force,
-            self.friction[0].map(|law| (law, &friction[..])),
         );
         let mut losses = Losses {
             hinge_contact,
@@ -138,13 +137,17 @@ impl<const FORCES: bool, const FRICTION: bool> WithSimd for PowerChange<'_, FORC
         };
         let mut bodies = &*bushing;
         if let Some(CorrectedRollers { arrays, correction }) = self.rollers {
-            losses.roller_contact = rollers::<S, FORCES>(
-                simd,
-                (gamma, &slopes.rollers.normal),
-                correction,
-                (&mut corrected.on_teeth, &mut arrays.force),
-            );
-            bodies = &arrays.bushing;
+            let ChainArrays {
+                bushing,
+                force,
+                friction,
+                ..
+            } = arrays;
+            let joints =
+                JointChanges::new(simd, (gamma, &slopes.rollers), (force, friction), in_joints);
+            [losses.roller_contact, losses.roller_friction] =
+                rollers::<S, FORCES, FRICTION>(simd, joints, correction, &mut corrected.on_teeth);
+            bodies = &*bushing;
         }
         for body in &mut corrected.on_teeth {
             body.copy_within(..self.overhang, self.links);
@@ -152,7 +155,7 @@ impl<const FORCES: bool, const FRICTION: bool> WithSimd for PowerChange<'_, FORC
         for (s, load) in self.loads.iter_mut().enumerate() {
             let teeth = ToothPowers {
                 gamma,
-                friction: self.friction[1],
+                friction: on_teeth,
                 bushing_radius: self.bushing_radius,
                 slopes: &slopes.teeth[s],
                 candidates: &mut self.candidates[s],
@@ -187,19 +190,93 @@ fn moved(of: &SprocketMotions, border: &[f64]) -> [f64; 3] {
     moved
 }
 
-/// Return the changes of the powers of damping and friction in the hinges; write the corrections of the bushings, and add the changes of the
-/// normal forces.
+/// Hinges, or rollers on their bushings.
+struct JointChanges<'a, S: Simd> {
+    gamma: Lanes<S>,
+    normal: &'a [SlopeGroup],
+    /// Law of friction, its slopes and present friction \[N\], for `FRICTION`.
+    friction: Option<(
+        RegularizedFriction<Lanes<S>>,
+        &'a [FrictionGroup],
+        &'a [Pack],
+    )>,
+    force: &'a mut [Pack],
+    power: PartialSums,
+    friction_power: PartialSums,
+}
+
+impl<'a, S: Simd> JointChanges<'a, S> {
+    /// Return joints with these forces and this friction, before any change.
+    #[inline(always)]
+    fn new(
+        simd: S,
+        (gamma, slopes): (f64, &'a ContactSlopes),
+        (force, friction): (&'a mut [f64], &'a [f64]),
+        law: Option<&Friction>,
+    ) -> Self {
+        let count = slopes.normal.len();
+        let law = law.map(|law| RegularizedFriction::new(simd, law));
+        Self {
+            gamma: Lanes::splat(simd, gamma),
+            normal: &slopes.normal,
+            friction: law.map(|law| (law, &slopes.friction[..], packs(friction, count))),
+            force: packs_mut(force, count),
+            power: PartialSums::default(),
+            friction_power: PartialSums::default(),
+        }
+    }
+
+    /// Add the changes of powers and forces of one vector of joints, for changes of the velocity of the first body of each relative to the
+    /// second one, and of the angular velocities of both.
+    #[inline(always)]
+    fn add<const FORCES: bool, const FRICTION: bool>(
+        &mut self,
+        (number, part): (usize, usize),
+        [vx, vy]: [Lanes<S>; 2],
+        [spin, other]: [Lanes<S>; 2],
+    ) {
+        let (simd, gamma) = (vx.simd(), self.gamma);
+        let normal = &self.normal[number];
+        let [nx, ny] = read(simd, &normal.normal, part);
+        let closing = nx.mul_add(vx, ny * vy);
+        let change = power_by(simd, (normal, part), gamma, closing);
+        self.power.add_part(part, change);
+        if FRICTION && let Some((law, slopes, present)) = &self.friction {
+            let rubbing = &slopes[number];
+            let [first, second] = read(simd, &rubbing.places, part);
+            let turning = first.mul_add(spin, -(second * other));
+            let sliding = nx.mul_add(vy, -(ny * vx)) + turning;
+            let push = push_by(simd, (normal, part), gamma, closing);
+            let present = part_of(simd, &present[number], part);
+            let of = (normal, rubbing, part);
+            let [_, change] = friction_by(law, present, of, [push, sliding]);
+            self.friction_power.add_part(part, change);
+        }
+        if FORCES {
+            let push = push_by(simd, (normal, part), gamma, closing);
+            add_to(simd, &mut self.force[number], part, push);
+        }
+    }
+
+    /// Return the changes of the powers of damping and friction.
+    #[inline(always)]
+    fn powers(&self, has_friction: bool) -> [f64; 2] {
+        let friction = self.friction_power.total_if(has_friction);
+        [self.power.total(), friction]
+    }
+}
+
+/// Return the changes of the powers of damping and friction in these hinges; write the corrections of the bushings, and add the changes of
+/// the normal forces.
 #[inline(always)]
 fn hinges<S: Simd, const FORCES: bool, const FRICTION: bool>(
     simd: S,
-    (gamma, slopes): (f64, &ContactSlopes),
+    mut joints: JointChanges<S>,
     on_front: &[f64],
     ends: &mut CorrectedEnds,
-    force: &mut [f64],
-    friction: Option<(&Friction, &[f64])>,
 ) -> [f64; 2] {
-    let (gamma, zero) = (Lanes::splat(simd, gamma), Lanes::splat(simd, 0.0));
-    let count = slopes.normal.len();
+    let zero = Lanes::splat(simd, 0.0);
+    let count = joints.normal.len();
     let [front_x, front_y, rear_x, rear_y, spin] = &ends.links;
     let (front_x, front_y) = (packs(front_x, count), packs(front_y, count));
     // Hinge k joins the front of link k to the rear of link k + 1.
@@ -209,12 +286,7 @@ fn hinges<S: Simd, const FORCES: bool, const FRICTION: bool>(
     let [bushing_x, bushing_y, bushing_spin] = &mut ends.on_teeth;
     let (bushing_x, bushing_y) = (packs_mut(bushing_x, count), packs_mut(bushing_y, count));
     let bushing_spin = packs_mut(bushing_spin, count);
-    let force = packs_mut(force, count);
-    let friction =
-        friction.map(|(law, present)| (RegularizedFriction::new(simd, law), packs(present, count)));
-    let [mut power, mut friction_power] = [PartialSums::default(); 2];
     for number in 0..count {
-        let group = &slopes.normal[number];
         for part in parts::<S>() {
             let at = |array: &[Pack]| part_of(simd, &array[number], part);
             let (front, rear) = ([at(front_x), at(front_y)], [at(rear_x), at(rear_y)]);
@@ -229,77 +301,50 @@ fn hinges<S: Simd, const FORCES: bool, const FRICTION: bool>(
                 part,
                 of_front.select(front[1], rear[1]),
             );
-            let [nx, ny] = read(simd, &group.normal, part);
-            let (vx, vy) = (front[0] - rear[0], front[1] - rear[1]);
-            let closing = nx.mul_add(vx, ny * vy);
+            let mut spins = [zero; 2];
             if FRICTION {
-                let (front, rear) = (at(front_spin), at(rear_spin));
-                let turned = of_front.select(front, rear);
-                put_part(&mut bushing_spin[number], part, turned);
-                if let Some((law, present)) = &friction {
-                    let rubbing = &slopes.friction[number];
-                    let [from_front, from_rear] = read(simd, &rubbing.places, part);
-                    let turning = from_front.mul_add(front, -(from_rear * rear));
-                    let sliding = nx.mul_add(vy, -(ny * vx)) + turning;
-                    let push = push_by(simd, (group, part), gamma, closing);
-                    let of = (group, rubbing, part);
-                    let [_, change] = friction_by(law, at(present), of, [push, sliding]);
-                    friction_power.add_part(part, change);
-                }
+                spins = [at(front_spin), at(rear_spin)];
+                let spin = of_front.select(spins[0], spins[1]);
+                put_part(&mut bushing_spin[number], part, spin);
             }
-            let to = (&mut power, &mut force[number]);
-            add_changes::<S, FORCES>(simd, (group, part), gamma, closing, to);
+            let velocity = [front[0] - rear[0], front[1] - rear[1]];
+            joints.add::<FORCES, FRICTION>((number, part), velocity, spins);
         }
     }
-    [power.total(), friction_power.total_if(FRICTION)]
+    joints.powers(FRICTION)
 }
 
-/// Return the change of the power of the contacts between rollers and bushings, and add the changes of their forces. The corrections of the
-/// bushings are replaced by those of the rollers.
+/// Return the changes of the powers of damping and friction of rollers on their bushings, and add the changes of their normal forces. The
+/// corrections of the bushings are replaced by those of the rollers.
 #[inline(always)]
-fn rollers<S: Simd, const FORCES: bool>(
+fn rollers<S: Simd, const FORCES: bool, const FRICTION: bool>(
     simd: S,
-    (gamma, slopes): (f64, &[SlopeGroup]),
-    rollers: [&[f64]; 2],
-    (on_teeth, force): (&mut [Numbers; 3], &mut [f64]),
-) -> f64 {
-    let gamma = Lanes::splat(simd, gamma);
-    let count = slopes.len();
-    let [x, y] = rollers.map(|axis| Entries::<S>::of(simd, axis));
-    let [to_x, to_y, _] = on_teeth;
+    mut joints: JointChanges<S>,
+    rollers: [&[f64]; 3],
+    on_teeth: &mut [Numbers; 3],
+) -> [f64; 2] {
+    let count = joints.normal.len();
+    let [x, y, spin] = rollers.map(|axis| Entries::<S>::of(simd, axis));
+    let [to_x, to_y, to_spin] = on_teeth;
     let (to_x, to_y) = (packs_mut(to_x, count), packs_mut(to_y, count));
-    let force = packs_mut(force, count);
-    let mut power = PartialSums::default();
+    let to_spin = packs_mut(to_spin, count);
     for number in 0..count {
-        let group = &slopes[number];
         for part in parts::<S>() {
             let (x, y) = (x.at(number, part), y.at(number, part));
             let (to_x, to_y) = (&mut to_x[number], &mut to_y[number]);
-            let (of_x, of_y) = (part_of(simd, to_x, part), part_of(simd, to_y, part));
+            let velocity = [x - part_of(simd, to_x, part), y - part_of(simd, to_y, part)];
             put_part(to_x, part, x);
             put_part(to_y, part, y);
-            let [nx, ny] = read(simd, &group.normal, part);
-            let closing = nx.mul_add(x - of_x, ny * (y - of_y));
-            let to = (&mut power, &mut force[number]);
-            add_changes::<S, FORCES>(simd, (group, part), gamma, closing, to);
+            let mut spins = [Lanes::splat(simd, 0.0); 2];
+            if FRICTION {
+                let to = &mut to_spin[number];
+                spins = [spin.at(number, part), part_of(simd, to, part)];
+                put_part(to, part, spins[0]);
+            }
+            joints.add::<FORCES, FRICTION>((number, part), velocity, spins);
         }
     }
-    power.total()
-}
-
-/// Add the changes of the power and the forces of contacts whose penetration rates change by `closing`.
-#[inline(always)]
-fn add_changes<S: Simd, const FORCES: bool>(
-    simd: S,
-    of: (&SlopeGroup, usize),
-    gamma: Lanes<S>,
-    closing: Lanes<S>,
-    (power, forces): (&mut PartialSums, &mut Pack),
-) {
-    power.add_part(of.1, power_by(simd, of, gamma, closing));
-    if FORCES {
-        add_to(simd, forces, of.1, push_by(simd, of, gamma, closing));
-    }
+    joints.powers(FRICTION)
 }
 
 /// Return the change of the power of contacts whose penetration rates change by `closing`.

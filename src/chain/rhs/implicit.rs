@@ -78,7 +78,7 @@ impl Kernels {
         let bodies = model.rollers.as_ref().zip(self.rollers.as_deref_mut());
         let rollers = bodies.map(|(of, rollers)| CorrectedRollers {
             arrays: &mut rollers.arrays,
-            correction: [0, n].map(|axis| &correction[of.first + axis..][..n]),
+            correction: [0, n, 2 * n].map(|axis| &correction[of.first + axis..][..n]),
         });
         let border = &correction[3 * n..][..model.wheel_coordinates()];
         let change = self.instructions.run(PowerChange::<FORCES, FRICTION> {
@@ -99,6 +99,7 @@ impl Kernels {
         self.losses.hinge_contact += change.hinge_contact;
         self.losses.hinge_friction += change.hinge_friction;
         self.losses.roller_contact += change.roller_contact;
+        self.losses.roller_friction += change.roller_friction;
         self.losses.tooth_contact += change.tooth_contact;
         self.losses.tooth_friction += change.tooth_friction;
     }

@@ -375,9 +375,7 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
         if let Some(slopes) = &mut run.friction_arrays.slopes {
             let (group, part) = group_of::<S, _>(slopes, b);
             group.slope.put(part, slope);
-            if self.powers {
-                group.slip.put(part, slip);
-            }
+            group.slip.put(part, slip);
         }
         let moment = radius * friction;
         let on_front = load(simd, &run.on_front[b]).greater(zero);

@@ -131,9 +131,7 @@ impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, co
             group.slope.put(part, slope);
             group.places[0].put(part, from_front);
             group.places[1].put(part, from_rear);
-            if self.powers {
-                group.slip.put(part, slip);
-            }
+            group.slip.put(part, slip);
         }
         [
             force.mul_add(nx, -(friction * ny)),
