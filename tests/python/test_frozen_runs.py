@@ -61,6 +61,15 @@ SCENES = {
     "LuGre": lambda: rc.Simulation(
         _geared(pretension=25.0), force_law=rc.LankaraniNikravesh(friction=rc.LuGre(0.12, 0.1))
     ),
+    "film": lambda: rc.Simulation(
+        _geared(pretension=25.0), hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
+    ),
+    "elastic plates": lambda: rc.Simulation(_geared(pretension=25.0, plates="elastic")),
+    "rollers": lambda: rc.Simulation(_geared(pretension=25.0, rollers="bodies")),
+    "rollers, Coulomb": lambda: rc.Simulation(
+        _geared(pretension=25.0, rollers="bodies"),
+        force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)),
+    ),
     "smooth idler": lambda: rc.Simulation(_idler()),
     "open chain": lambda: rc.Simulation(_hanging()),
     "ideal hinges": lambda: rc.Simulation(_geared(hinges="ideal")),

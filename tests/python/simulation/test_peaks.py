@@ -37,7 +37,9 @@ SCENES: dict[str, Callable[[], rc.Simulation]] = {
     ),
     "rollers, 1e-8 m": lambda: rc.Simulation(drive(rollers="bodies"), solver=newton(1e-8)),
     "rollers, friction": lambda: rc.Simulation(
-        drive(rollers="bodies"), rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)), solver=newton(1e-9)
+        drive(rollers="bodies"),
+        rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)),
+        solver=newton(1e-9),
     ),
     "elastic plates": lambda: rc.Simulation(
         replace(drive(), chain=replace(drive().chain, link_stiffness=2e7)), solver=newton(1e-9)
