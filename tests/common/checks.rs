@@ -297,7 +297,7 @@ pub fn forces_and_powers_follow_from_a_correction(
 }
 
 /// Asserts that a run, made with Newton's method and smooth at the scale of its steps, evaluated the powers at the ends of steps with several
-/// corrections, and of no others.
+/// corrections, and not of all others.
 pub fn powers_are_evaluated_after_several_corrections(run: &Simulation) {
     let (counts, taken) = (run.statistics().counts, run.statistics().energy_evaluations);
     // At most so many steps took several corrections, rejected ones included; the others have an evaluation in their middle, at most.

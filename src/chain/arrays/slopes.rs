@@ -26,14 +26,14 @@ pub(crate) struct SlopeGroup {
     pub(crate) power: [Pack8; 2],
 }
 
-/// Slopes of the friction of eight contacts with their sliding velocity, and the contact points.
+/// Slopes of the friction of eight contacts with their sliding velocity, the contact points, and these velocities.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FrictionGroup {
     /// Slope of the friction with the sliding velocity \[N s/m\].
     pub(crate) slope: Pack8,
     /// Position of a hinge's contact point along the normal, relative to the centres of its front and rear ends \[m\].
     pub(crate) places: [Pack8; 2],
-    /// Sliding velocity \[m/s\].
+    /// Sliding velocity \[m/s\]; not written where no contact of a vector is possible.
     pub(crate) slip: Pack8,
 }
 

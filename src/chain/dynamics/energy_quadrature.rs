@@ -76,7 +76,7 @@ impl Dynamics {
     ///
     /// Both follow from slopes of the last evaluation and the correction after it. After several corrections forces are evaluated: at loose
     /// accuracies the last correction can change a force by several times its value. Powers are not, whose errors cancel in part, but where
-    /// rollers are bodies (decision 22).
+    /// rollers are bodies or there is friction (decision 22).
     ///
     /// Call it after [`Self::finish_step`], which reads the contacts of the last evaluation. That stores new impact velocities: evaluations
     /// from here on use them, the forces of the step used the present rates.

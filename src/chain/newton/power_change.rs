@@ -190,16 +190,19 @@ fn moved(of: &SprocketMotions, border: &[f64]) -> [f64; 3] {
     moved
 }
 
+/// Friction of joints: its law, its slopes and its present values \[N\].
+struct JointFriction<'a, S: Simd> {
+    law: RegularizedFriction<Lanes<S>>,
+    slopes: &'a [FrictionGroup],
+    present: &'a [Pack],
+}
+
 /// Hinges, or rollers on their bushings.
 struct JointChanges<'a, S: Simd> {
     gamma: Lanes<S>,
     normal: &'a [SlopeGroup],
-    /// Law of friction, its slopes and present friction \[N\], for `FRICTION`.
-    friction: Option<(
-        RegularizedFriction<Lanes<S>>,
-        &'a [FrictionGroup],
-        &'a [Pack],
-    )>,
+    /// For `FRICTION`.
+    friction: Option<JointFriction<'a, S>>,
     force: &'a mut [Pack],
     power: PartialSums,
     friction_power: PartialSums,
@@ -219,7 +222,11 @@ impl<'a, S: Simd> JointChanges<'a, S> {
         Self {
             gamma: Lanes::splat(simd, gamma),
             normal: &slopes.normal,
-            friction: law.map(|law| (law, &slopes.friction[..], packs(friction, count))),
+            friction: law.map(|law| JointFriction {
+                law,
+                slopes: &slopes.friction,
+                present: packs(friction, count),
+            }),
             force: packs_mut(force, count),
             power: PartialSums::default(),
             friction_power: PartialSums::default(),
@@ -241,15 +248,20 @@ impl<'a, S: Simd> JointChanges<'a, S> {
         let closing = nx.mul_add(vx, ny * vy);
         let change = power_by(simd, (normal, part), gamma, closing);
         self.power.add_part(part, change);
-        if FRICTION && let Some((law, slopes, present)) = &self.friction {
-            let rubbing = &slopes[number];
+        // Contacts that are apart have old sliding velocities.
+        let zero = gamma.constant(0.0);
+        if FRICTION
+            && let Some(friction) = &self.friction
+            && normal.force.at(simd, part).exceeds(zero).any()
+        {
+            let rubbing = &friction.slopes[number];
             let [first, second] = read(simd, &rubbing.places, part);
             let turning = first.mul_add(spin, -(second * other));
             let sliding = nx.mul_add(vy, -(ny * vx)) + turning;
             let push = push_by(simd, (normal, part), gamma, closing);
-            let present = part_of(simd, &present[number], part);
+            let present = part_of(simd, &friction.present[number], part);
             let of = (normal, rubbing, part);
-            let [_, change] = friction_by(law, present, of, [push, sliding]);
+            let [_, change] = friction_by(&friction.law, present, of, [push, sliding]);
             self.friction_power.add_part(part, change);
         }
         if FORCES {
@@ -377,7 +389,7 @@ fn push_by<S: Simd>(
 /// Return the changes of friction \[N\] and of its power \[W\] for contacts with the `present` friction, whose normal force and sliding
 /// velocity change by `push` and `sliding`.
 ///
-/// They follow from the law: at a loose accuracy the sliding velocity can change by more than that of full friction.
+/// They follow from the law: at a loose accuracy the sliding velocity can change by more than v₁, at which friction is full.
 #[inline(always)]
 fn friction_by<S: Simd>(
     law: &RegularizedFriction<Lanes<S>>,

@@ -95,7 +95,7 @@ def test_a_peak_of_a_mechanism_is_the_force_of_a_step_end(scene: str):
 @pytest.mark.filterwarnings("ignore:the energy balance is off")
 @pytest.mark.parametrize("scene", [*SCENES, *MECHANISMS])
 def test_motion_and_energies_have_the_same_bits_with_and_without_peaks(scene: str):
-    """Peaks are evaluated at the ends of steps with several corrections; powers there are not."""
+    """Peaks are evaluated after several corrections; powers are not, in some of the scenes."""
     begin = 0.005 if scene in MECHANISMS else 0.02
     ends = []
     with_peaks = ("contacts",) if scene in MECHANISMS else ("hinges", "teeth")
