@@ -9,7 +9,7 @@ use crate::common::rubbing::{
     Standing, both_chains, kernels_beside_reference, lost, pulled, standing,
 };
 
-use rustchain::drive::Drive;
+use rustchain::drive::{Drive, LinkStiffness};
 use rustchain::force_law::{Friction, Regularization};
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::{ForceLaws, Groups, Simulation};
@@ -84,6 +84,20 @@ fn forces_and_powers_after_a_correction_need_no_evaluation() {
     let scenes = scenes.into_iter().flatten().flatten();
     let compared = forces_and_powers_follow_from_a_correction(scenes, 0.0);
     assert_eq!(compared, 36);
+}
+
+#[test]
+fn so_with_elastic_plates() {
+    let scenes = places(friction(Regularization::Tanh, 0.2)).map(|laws| {
+        let mut plates = common::paper_drive();
+        plates.chain.link_stiffness = Some(LinkStiffness::Given(1e7));
+        let mut run = pulled(plates, &laws, 100.0, newton(1e-10));
+        common::advance(&mut run, 8e-3);
+        let place = [laws.hinge_friction, laws.tooth_friction].map(|law| law.is_some());
+        (format!("plates {place:?}"), run)
+    });
+    let compared = forces_and_powers_follow_from_a_correction(scenes, 0.0);
+    assert_eq!(compared, 6);
 }
 
 #[test]
