@@ -62,7 +62,10 @@ impl Dynamics {
     fn has_all_slopes(&self) -> bool {
         let model = &self.model;
         let bristles = model.hinges.bristles.is_some() || model.teeth.bristles.is_some();
-        !bristles && model.hinges.film.is_none() && model.ends.is_none()
+        // The errors of the external power would be larger (decision 22).
+        let ideal_and_rubbed = model.hinges.ideal && model.has_friction();
+        let others = bristles || ideal_and_rubbed || model.hinges.film.is_some();
+        !others && model.ends.is_none()
     }
 
     /// Return whether the powers at the end of a step with several corrections follow from the slopes of its last evaluation.
