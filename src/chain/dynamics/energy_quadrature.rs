@@ -62,10 +62,7 @@ impl Dynamics {
     fn has_all_slopes(&self) -> bool {
         let model = &self.model;
         let bristles = model.hinges.bristles.is_some() || model.teeth.bristles.is_some();
-        // The errors of the external power would be larger (decision 22).
-        let ideal_and_rubbed = model.hinges.ideal && model.has_friction();
-        let others = bristles || ideal_and_rubbed || model.hinges.film.is_some();
-        !others && model.ends.is_none()
+        !bristles && model.hinges.film.is_none() && model.ends.is_none()
     }
 
     /// Return whether the powers at the end of a step with several corrections follow from the slopes of its last evaluation.
@@ -79,7 +76,7 @@ impl Dynamics {
     ///
     /// Both follow from slopes of the last evaluation and the correction after it. After several corrections forces are evaluated: at loose
     /// accuracies the last correction can change a force by several times its value. Powers are not, whose errors cancel in part, but where
-    /// rollers are bodies or there is friction (decision 22).
+    /// rollers are bodies or there is friction (decision 22). After a projection of ideal hinges, which moves them, both are evaluated.
     ///
     /// Call it after [`Self::finish_step`], which reads the contacts of the last evaluation. That stores new impact velocities: evaluations
     /// from here on use them, the forces of the step used the present rates.
@@ -87,8 +84,9 @@ impl Dynamics {
         let keeps = self.keeps_energy;
         let correction = adams.correction_after_evaluation();
         let first_is_last = adams.ended_with_first_correction();
-        let forces_change = self.has_all_slopes() && first_is_last;
-        let powers_change = forces_change || self.corrects_powers_after_several();
+        let projected = self.projects_hinges(adams);
+        let forces_change = self.has_all_slopes() && first_is_last && !projected;
+        let powers_change = forces_change || (self.corrects_powers_after_several() && !projected);
         let end = (step.end, adams.y());
         match correction {
             Some(correction) if (keeps && powers_change) || (peaks && forces_change) => {

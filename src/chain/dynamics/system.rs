@@ -49,11 +49,7 @@ impl System for Dynamics {
 
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
         self.record_contact_events(adams, step);
-        if adams
-            .counts()
-            .steps
-            .is_multiple_of(STEPS_BETWEEN_PROJECTIONS)
-        {
+        if self.projects_hinges(adams) {
             (self.kernels).project_hinges(&self.model, adams.solution_mut());
         }
         self.kernels.end_step();
@@ -238,6 +234,13 @@ impl System for Dynamics {
 
     fn restored(&self, checkpoint: &Checkpoint, _adams: &Adams) -> Option<Self> {
         self.with_checkpoint(checkpoint)
+    }
+}
+
+impl Dynamics {
+    /// Return whether the last step ends with a projection of ideal hinges.
+    pub(super) fn projects_hinges(&self, adams: &Adams) -> bool {
+        self.model.hinges.ideal && (adams.counts().steps).is_multiple_of(STEPS_BETWEEN_PROJECTIONS)
     }
 }
 
