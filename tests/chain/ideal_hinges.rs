@@ -1,12 +1,13 @@
-//! Ideal hinges on every instruction set: the same bits, with the projections onto the constraints.
+//! Ideal hinges: the same bits on every instruction set, with the projections onto the constraints; powers after a projection.
 
 use crate::common;
+use crate::common::checks::newton;
 use rustchain::ForceLaws;
 use rustchain::drive::{Drive, HingeKind};
 use rustchain::force_law::{Friction, Regularization};
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::simd::InstructionSet;
-use rustchain::system::System;
+use rustchain::system::{PowerSum, System};
 
 /// Friction on the teeth gives links moments.
 const RUBBED: Friction = Friction {
@@ -53,5 +54,48 @@ fn every_width_runs_through_the_same_bits() {
                 assert!(same, "{}, {corrector:?}", set.name());
             }
         }
+    }
+}
+
+/// The projection moves the hinges after the last correction of every fourth step.
+#[test]
+fn the_powers_after_a_projection_are_evaluated() {
+    for tooth_friction in [None, Some(RUBBED)] {
+        let laws = ForceLaws {
+            tooth_friction,
+            ..ForceLaws::default()
+        };
+        let drive = Drive {
+            hinge_kind: HingeKind::Ideal,
+            tensioner: Some(common::tensioner(100.0, 1e-3)),
+            ..common::paper_drive()
+        };
+        let mut simulation = common::simulation(&drive, &laws, newton(1e-9));
+        common::advance(&mut simulation, 5e-3);
+        let mut dynamics = simulation.dynamics().clone();
+        let mut adams = simulation.integrator().clone();
+        dynamics.begin_metering(&adams, adams.time());
+        let (mut projected, mut corrected) = (0, 0);
+        for _ in 0..200 {
+            dynamics.begin_step(&mut adams);
+            let step = adams.step_second_order(&mut dynamics).unwrap();
+            dynamics.finish_step(&mut adams, &step).unwrap();
+            dynamics.reach_step_end(&adams, &step, false);
+            dynamics.meter_step(&adams, &step);
+            // After the end of a step the sums grow with the power there.
+            let mut power = dynamics.sums_at(step.end + 1.0);
+            power.add_scaled(-1.0, &dynamics.sums_at(step.end));
+            let exact = dynamics.clone().evaluate(step.end, adams.y());
+            let error = (power.external_work - exact.external_work).abs();
+            let same = error < 1e-9 * exact.external_work.abs();
+            if adams.counts().steps.is_multiple_of(4) {
+                assert!(same, "{tooth_friction:?}, {error:e} W of {exact:?}");
+                projected += 1;
+            } else {
+                corrected += u32::from(!same);
+            }
+            adams.limit_step(dynamics.longest_step(&adams));
+        }
+        assert!(projected == 50 && corrected > 10, "{projected} {corrected}");
     }
 }

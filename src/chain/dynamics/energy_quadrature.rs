@@ -57,24 +57,24 @@ impl Dynamics {
         }
     }
 
-    /// Return whether forces and powers change by slopes: those of damped contacts, of plates in series with them, and of regularised
-    /// friction.
-    fn has_all_slopes(&self) -> bool {
+    /// Return whether forces and powers at the end of a step follow from its last correction: those of damped contacts and of plates in series
+    /// with them by their slopes, and regularised friction by its law.
+    fn follows_from_correction(&self) -> bool {
         let model = &self.model;
         let bristles = model.hinges.bristles.is_some() || model.teeth.bristles.is_some();
         !bristles && model.hinges.film.is_none() && model.ends.is_none()
     }
 
-    /// Return whether the powers at the end of a step with several corrections follow from the slopes of its last evaluation.
+    /// Return whether the powers at the end of a step with several corrections follow from the last one.
     pub(super) fn corrects_powers_after_several(&self) -> bool {
         let model = &self.model;
-        self.has_all_slopes() && model.rollers.is_none() && !model.has_friction()
+        self.follows_from_correction() && model.rollers.is_none() && !model.has_friction()
     }
 
     /// Find the powers at the end of the last step, where energy is kept, and change the forces of the last evaluation to those at the end
     /// where `peaks` are recorded.
     ///
-    /// Both follow from slopes of the last evaluation and the correction after it. After several corrections forces are evaluated: at loose
+    /// Both follow from the last evaluation and the correction after it. After several corrections forces are evaluated: at loose
     /// accuracies the last correction can change a force by several times its value. Powers are not, whose errors cancel in part, but where
     /// rollers are bodies or there is friction (decision 22). After a projection of ideal hinges, which moves them, both are evaluated.
     ///
@@ -85,7 +85,7 @@ impl Dynamics {
         let correction = adams.correction_after_evaluation();
         let first_is_last = adams.ended_with_first_correction();
         let projected = self.projects_hinges(adams);
-        let forces_change = self.has_all_slopes() && first_is_last && !projected;
+        let forces_change = self.follows_from_correction() && first_is_last && !projected;
         let powers_change = forces_change || (self.corrects_powers_after_several() && !projected);
         let end = (step.end, adams.y());
         match correction {

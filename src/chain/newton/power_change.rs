@@ -1,4 +1,4 @@
-//! Change of the forces and powers of the contacts, and of the loads on the sprockets, with the last correction.
+//! Change of the forces and powers of the contacts, and of the moments on the sprockets, with the last correction.
 //!
 //! A step of Newton's method has its last evaluation before its last correction. This correction Δv changes the penetration rate of a
 //! contact by n·Δv, with the relative velocity of its two points, and its penetration by γ n·Δv. Slopes of force and power are those of
@@ -16,7 +16,6 @@ use crate::chain::contact::SprocketCandidates;
 use crate::chain::loads::SprocketLoad;
 use crate::chain::powers::Losses;
 use crate::force_law::{Friction, RegularizedFriction};
-use crate::geometry::Vec2;
 use crate::math::simd::{
     Entries, InstructionSet, Lanes, Number, Numbers, Pack, PartialSums, WIDTH, packs, packs_mut,
     padded, padded_zeros, part_of, parts, put_part, read, splat_two,
@@ -79,9 +78,9 @@ pub(crate) struct CorrectedRollers<'a> {
     pub(crate) correction: [&'a [f64]; 3],
 }
 
-/// Kernel: return the changes of the powers dissipated with the last correction; add those of the normal forces, and of the loads on the
-/// sprockets. The corrections of the links' ends must be written, and the slopes must be those of the last evaluation. Without `FORCES`,
-/// forces stay, and of the loads only the moments change: the powers need no more. `FRICTION`: with regularised friction.
+/// Kernel: return the changes of the powers dissipated with the last correction; add those of the moments on the sprockets, and with `FORCES`
+/// of the normal forces. The corrections of the links' ends must be written, and the slopes must be those of the last evaluation. `FRICTION`:
+/// with regularised friction.
 pub(crate) struct PowerChange<'a, const FORCES: bool, const FRICTION: bool> {
     pub(crate) matrix: &'a mut NewtonMatrix,
     pub(crate) links: usize,
@@ -163,11 +162,10 @@ impl<const FORCES: bool, const FRICTION: bool> WithSimd for PowerChange<'_, FORC
                 bodies,
                 correction: &corrected.on_teeth,
             };
-            let [contact, friction, x, y, moment] =
+            let [contact, friction, moment] =
                 teeth.sums::<S, FORCES, FRICTION>(simd, moved(&motions[s], self.border));
             losses.tooth_contact += contact;
             losses.tooth_friction += friction;
-            load.force += Vec2::new(x, y);
             load.moment += moment;
         }
         losses
@@ -431,19 +429,19 @@ struct ToothPowers<'a> {
 }
 
 impl ToothPowers<'_> {
-    /// Return the changes of the powers of damping and friction, of the force on the sprocket and of its moment, for a sprocket with these
-    /// corrections of its velocities; add those of the normal forces of the contacts.
+    /// Return the changes of the powers of damping and friction, and of the moment on the sprocket, which has these corrections of its
+    /// velocities; add those of the normal forces of the contacts.
     #[inline(always)]
     fn sums<S: Simd, const FORCES: bool, const FRICTION: bool>(
         self,
         simd: S,
         [of_x, of_y, of_spin]: [f64; 3],
-    ) -> [f64; 5] {
+    ) -> [f64; 3] {
         let splat = |value| Lanes::splat(simd, value);
         let (gamma, zero, radius) = (splat(self.gamma), splat(0.0), splat(self.bushing_radius));
         let center = splat_two(simd, self.pose.center);
         let law = self.friction.map(|law| RegularizedFriction::new(simd, law));
-        let mut sums = [PartialSums::default(); 5];
+        let mut sums = [PartialSums::default(); 3];
         let SprocketCandidates {
             runs,
             force,
@@ -484,7 +482,6 @@ impl ToothPowers<'_> {
                     let [nx, ny] = read(simd, &group.normal, part);
                     let closing = nx.mul_add(vx, ny * vy);
                     let push = push_by(simd, (group, part), gamma, closing);
-                    let (mut push_x, mut push_y) = (push * nx, push * ny);
                     let mut moment = push * x.mul_add(ny, -(y * nx));
                     if FRICTION && let Some(law) = &law {
                         let turning = radius * (at(spin) - splat(of_spin));
@@ -492,28 +489,19 @@ impl ToothPowers<'_> {
                         let of = (group, &self.slopes.friction[first + number], part);
                         let [change, power] = friction_by(law, at(friction), of, [push, sliding]);
                         sums[1].add_part(part, power);
-                        push_x = push_x - change * ny;
-                        push_y = change.mul_add(nx, push_y);
                         let arm = x.mul_add(nx, y.mul_add(ny, radius));
                         moment = change.mul_add(arm, moment);
                     }
                     if FORCES {
                         add_to(simd, &mut force[number], part, push);
-                        sums[2].add_part(part, push_x);
-                        sums[3].add_part(part, push_y);
                     }
                     sums[0].add_part(part, power_by(simd, (group, part), gamma, closing));
-                    sums[4].add_part(part, moment);
+                    sums[2].add_part(part, moment);
                 }
             }
         }
-        let [contact, friction, x, y, moment] = sums;
-        [
-            contact.total(),
-            friction.total_if(FRICTION),
-            x.total(),
-            y.total(),
-            moment.total(),
-        ]
+        let [contact, friction, moment] = sums;
+        let friction = friction.total_if(FRICTION);
+        [contact.total(), friction, moment.total()]
     }
 }

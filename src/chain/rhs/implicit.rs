@@ -50,7 +50,7 @@ impl Kernels {
         }
     }
 
-    /// Change losses of the last evaluation and moments on the sprockets, and with `FORCES` normal forces and loads, to those after a
+    /// Change losses of the last evaluation and moments on the sprockets, and with `FORCES` normal forces, to those after a
     /// `correction` of all velocities with γ.
     pub(crate) fn correct_powers<const FORCES: bool>(
         &mut self,
