@@ -141,10 +141,10 @@ bench-smoke: build reference-solvers ## Run every benchmark once, without measur
 	$(BIN)/python benches/ideal_drive_peer.py --test
 	$(BIN)/python benches/work_precision.py --test
 
-practical: build ## Run practical scenes at two accuracies and write docs/performance/practical.md (two minutes)
+practical: build ## Run practical scenes at two accuracies and write docs/performance/practical.md (three minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python benches/practical.py --write $(BENCH_ARGS)
 
-features: build ## Run the published drive with every feature in turn, and sweeps, and write docs/performance/features.md (four minutes)
+features: build ## Run the published drive with every feature in turn, and sweeps, and write docs/performance/features.md (ten minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python benches/features.py --write $(BENCH_ARGS)
 
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md

@@ -23,6 +23,7 @@ from functools import partial
 import numpy as np
 
 import rustchain as rc
+from least_times import PARTS, Clock, EqualRuns, each_row, step, take_turns
 from practical import ROOT, put, table
 from work_precision.render import machine
 
@@ -30,40 +31,40 @@ PAGE = ROOT / "docs" / "performance" / "features.md"
 NUMBERS = PAGE.with_suffix(".json")
 PRETENSIONS = (25.0, 100.0)  # [N]
 RAMP, LEAD, DURATION = 0.02, 0.04, 0.1  # of the tensioner's force, before the time counts [s]
-ROUNDS = 9
+ROUNDS = 5
+FEW = 50  # rows
 COUNTS = ("steps", "rejected", "evaluations", "energy_evaluations")
 DAMPING = "lankarani-nikravesh"
-ALL_ROWS, TWO_ROWS = "rows: default groups, to a file", "default groups, to a file, 2 rows"
+ALL_ROWS, FEW_ROWS = "rows: default groups, to a file", "default groups, to a file, 50 rows"
 
 LEAST, CASE = 1e-6, 0.05  # durations of the cases of a sweep [s]
+STARTS = 8  # of all cases, in a round
 AXES = {"pretension": np.linspace(10.0, 100.0, 10), "speed": np.linspace(5.0, 25.0, 20)}
 
 
-def steps(simulation: rc.Simulation, duration: float) -> None:
-    """Advance by steps alone."""
-    simulation.step_to(simulation.time + duration)
-
-
-def run(*record: str, **options: object) -> Callable[[rc.Simulation, float], rc.Result]:
+def run(*record: str, **options: object) -> Callable[[rc.Simulation, float, Clock], None]:
     """Return a maker of runs that record these groups."""
 
-    def made(simulation: rc.Simulation, duration: float) -> rc.Result:
-        return simulation.run(duration, record=record, progress=False, **options)
+    def made(simulation: rc.Simulation, duration: float, clock: Clock) -> None:
+        rows = round(duration / options.get("report_step", 1e-4))
+        if "out" not in options:  # a file is written by another thread, whose work has no part
+            options["callback"] = each_row(clock, max(1, rows // PARTS))
+        simulation.run(duration, record=record, progress=False, **options)
 
     return made
 
 
-def peaks(simulation: rc.Simulation, duration: float) -> None:
-    """Run with the contacts in the record and no row between the first and the last."""
-    run("hinges", "teeth", report_step=duration)(simulation, duration)
+def peaks(simulation: rc.Simulation, duration: float, clock: Clock) -> None:
+    """Run with the contacts in the record and few rows."""
+    run("hinges", "teeth", report_step=duration / FEW)(simulation, duration, clock)
 
 
-def to_file(simulation: rc.Simulation, duration: float, rows: bool = True) -> None:
-    """Run with the rows of all default groups written to a file; or with the first and last."""
+def to_file(simulation: rc.Simulation, duration: float, clock: Clock, few: bool = False) -> None:
+    """Run with the rows of all default groups written to a file; or with few of them."""
     with tempfile.TemporaryDirectory() as folder:
-        step = {} if rows else {"report_step": duration}
+        step = {"report_step": duration / FEW} if few else {}
         run("hinges", "teeth", "sprockets", "energy", out=f"{folder}/run.nc", **step)(
-            simulation, duration
+            simulation, duration, clock
         )
 
 
@@ -74,7 +75,7 @@ class Feature:
     name: str
     drive: Callable[[rc.ChainDrive], rc.ChainDrive] = lambda drive: drive
     keywords: dict[str, object] | None = None
-    run: Callable[[rc.Simulation, float], object] = steps
+    run: Callable[[rc.Simulation, float, Clock], None] = step
 
 
 def with_chain(drive: rc.ChainDrive, **fields: object) -> rc.ChainDrive:
@@ -145,7 +146,7 @@ def features() -> list[Feature]:
         Feature('`method="pece"`', keywords={"solver": rc.Solver("pece")}),
         Feature("`accuracy=1e-9`", keywords={"solver": rc.Solver(accuracy=1e-9)}),
         Feature("rows: time alone", run=run()),
-        Feature("peaks of hinges and teeth, 2 rows", run=peaks),
+        Feature("peaks of hinges and teeth, 50 rows", run=peaks),
         *(
             Feature(f"rows: {group}", run=run(group))
             for group in ("hinges", "teeth", "sprockets", "bodies", "energy")
@@ -159,7 +160,7 @@ def features() -> list[Feature]:
             run=run("hinges", "teeth", "sprockets", "bodies", "energy"),
         ),
         Feature(ALL_ROWS, run=to_file),
-        Feature(TWO_ROWS, run=partial(to_file, rows=False)),
+        Feature(FEW_ROWS, run=partial(to_file, few=True)),
     ]
 
 
@@ -172,31 +173,42 @@ def scene_of(feature: Feature, pretension: float, factor: float) -> rc.Scene:
     return replace(scene, solver=solver)
 
 
-def measured(scene: rc.Scene, feature: Feature, lead: float, duration: float) -> dict[str, float]:
-    """Return processor time [s] and counts after the ramp."""
-    simulation = rc.Simulation(scene)
-    simulation.step_to(lead)
-    before, begin = simulation.stats, time.process_time()
-    feature.run(simulation, duration)
-    spent = time.process_time() - begin
-    after = simulation.stats
-    return {"time": spent, **{name: after[name] - before[name] for name in COUNTS}}
+class Measured:
+    """Equal runs of a feature, all from the same state after the ramp, and counts of one."""
+
+    def __init__(self, scene: rc.Scene, feature: Feature, lead: float, duration: float) -> None:
+        self.simulation = rc.Simulation(scene)
+        self.simulation.step_to(lead)
+        self.before, state = self.simulation.stats, self.simulation.state()
+
+        def run(clock: Clock) -> None:
+            self.simulation.set_state(state)
+            clock.begin()
+            feature.run(self.simulation, duration, clock)
+
+        self.runs = EqualRuns(run)
+
+    def numbers(self) -> dict[str, float]:
+        """Return processor time [s] and counts."""
+        least, after = self.runs.least(), self.simulation.stats
+        counts = {name: after[name] - self.before[name] for name in COUNTS}
+        return {"time": least.seconds, "difference": least.difference, **counts}
 
 
 def all_features(rounds: int, lead: float, duration: float) -> list[dict[str, object]]:
     """Return a row for every feature and pretension: medians, and quartiles of ratios."""
-    chosen = features()
+    keys = [(pretension, feature) for pretension in PRETENSIONS for feature in features()]
     runs: dict[tuple[float, str], list[dict[str, float]]] = {}
     for number in range(rounds):
         factor = 1.0 + 0.01 * (number - rounds // 2)
-        first = number * len(chosen) // rounds  # each round begins with another feature
-        for pretension in PRETENSIONS:
-            for feature in (*chosen[first:], *chosen[:first]):
-                scene = scene_of(feature, pretension, factor)
-                found = measured(scene, feature, lead, duration)
-                runs.setdefault((pretension, feature.name), []).append(found)
+        made = [
+            Measured(scene_of(feature, n, factor), feature, lead, duration) for n, feature in keys
+        ]
+        take_turns(one.runs for one in made)
+        for (pretension, feature), one in zip(keys, made, strict=True):
+            runs.setdefault((pretension, feature.name), []).append(one.numbers())
         print(f"round {number + 1} of {rounds}", flush=True)
-    return [row(runs, pretension, feature.name) for pretension in PRETENSIONS for feature in chosen]
+    return [row(runs, pretension, feature.name) for pretension, feature in keys]
 
 
 def row(
@@ -204,7 +216,9 @@ def row(
 ) -> dict[str, object]:
     """Return medians of a feature, and quartiles of its time over that of the default."""
     own, base = runs[pretension, name], runs[pretension, "default"]
-    median = {key: statistics.median(one[key] for one in own) for key in ("time", *COUNTS)}
+    median = {
+        key: statistics.median(one[key] for one in own) for key in ("time", "difference", *COUNTS)
+    }
     ratios = [one["time"] / default["time"] for one, default in zip(own, base, strict=True)]
     low, ratio, high = np.quantile(ratios, (0.25, 0.5, 0.75))
     of_ratios = {"ratio": ratio, "quartiles": [low, high]}
@@ -262,13 +276,13 @@ def memory(duration: float, axes: dict[str, np.ndarray]) -> dict[str, float]:
 
 
 def sweeps(rounds: int, duration: float, axes: dict[str, np.ndarray]) -> dict[str, object]:
-    """Return throughput, start-up and memory of a sweep; medians of the rounds."""
+    """Return throughput, start-up and memory of a sweep: medians, and the least start-up."""
     cases = int(np.prod([len(values) for values in axes.values()]))
     grown = memory(duration, axes)
     found: dict[str, dict[str, list[float]]] = {way: {} for way in WAYS}
     for number in range(rounds):
         for way, run_all in WAYS.items():
-            for name, length in (("start-up", LEAST), ("run", duration)):
+            for name, length in (*[("start-up", LEAST)] * STARTS, ("run", duration)):
                 wall, begin = time.perf_counter(), time.process_time()
                 run_all(length, axes)
                 found[way].setdefault(name, []).append(time.process_time() - begin)
@@ -276,6 +290,7 @@ def sweeps(rounds: int, duration: float, axes: dict[str, np.ndarray]) -> dict[st
         print(f"round {number + 1} of {rounds} of the sweep", flush=True)
     ways = {
         way: {name: statistics.median(times) for name, times in of_way.items()}
+        | {"start-up": min(of_way["start-up"])}  # other load only adds time
         for way, of_way in found.items()
     }
     first, *_ = WAYS
@@ -302,18 +317,21 @@ COLUMNS = (
 
 def feature_lines(found: dict[str, object]) -> list[str]:
     """Return the tables of the features."""
+    differences = [row["difference"] for row in found["features"]]
     lines = [
         f"Machine: {found['machine']}; load average {found['load'][0]:.1f} before and "
         f"{found['load'][1]:.1f} after the run, of which the run itself is 1. Medians of "
-        f"{found['rounds']} rounds of {found['duration']:g} s.",
+        f"{found['rounds']} rounds of {found['duration']:g} s. Two halves of the equal runs "
+        f"differ by {statistics.median(differences):.1%} in time (median of all lines; "
+        f"{max(differences):.0%} at most).",
     ]
     for pretension in PRETENSIONS:
         rows = [each for each in found["features"] if each["pretension"] == pretension]
         cells = [feature_cells(each, rows[0], found["duration"]) for each in rows]
         lines += ["", f"### {pretension:g} N", "", *table(COLUMNS, cells)]
         time_of = {each["feature"]: each["time"] for each in rows}
-        begun = time_of[TWO_ROWS] - time_of["rows: energy"]
-        row = (time_of[ALL_ROWS] - time_of[TWO_ROWS]) / (found["duration"] / 1e-4)
+        begun = time_of[FEW_ROWS] - time_of["rows: energy"]
+        row = (time_of[ALL_ROWS] - time_of[FEW_ROWS]) / (found["duration"] / 1e-4 - FEW)
         lines += ["", f"A file takes {1e3 * begun:.0f} ms, and {1e6 * row:.0f} µs for each row."]
     return lines
 

@@ -10,7 +10,6 @@ import argparse
 import json
 import math
 import sys
-import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import rustchain as rc
+from least_times import Clock, EqualRuns, step, take_turns
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "python"))
@@ -143,38 +143,67 @@ def scenes() -> list[Practical]:
     ]
 
 
-def measured(case: Practical, accuracy: float, duration: float) -> dict[str, object]:
-    """Return time and counts of a run's steps, and the residual of the same run with energies."""
-    scene = case.scene()
-    # The default of mechanisms is a relative and an absolute tolerance in place of an accuracy.
-    solver = replace(scene.solver, accuracy=accuracy, rtol=None, atol=None)
-    scene = replace(scene, solver=solver)
-    row = {"scene": case.name, "accuracy": accuracy, "duration": duration}
+class Measured:
+    """A scene at an accuracy: equal runs by steps alone, and one with energies."""
+
+    def __init__(self, case: Practical, accuracy: float, duration: float) -> None:
+        scene = case.scene()
+        # The default of mechanisms is a relative and an absolute tolerance in place of an accuracy.
+        solver = replace(scene.solver, accuracy=accuracy, rtol=None, atol=None)
+        self.scene = replace(scene, solver=solver)
+        self.row = {"scene": case.name, "accuracy": accuracy, "duration": duration}
+        self.runs = EqualRuns(self.step)
+
+    def step(self, clock: Clock) -> None:
+        """Advance from the start by steps alone."""
+        simulation = rc.Simulation(self.scene)
+        clock.begin()
+        step(simulation, self.row["duration"], clock)
+
+    def meter(self) -> str:
+        """Run with energies; return why that failed."""
+        try:
+            result = rc.Simulation(self.scene).run(
+                self.row["duration"], 1e-3, record=("energy",), progress=False
+            )
+        except rc.RustchainError as error:
+            self.row["message"] = str(error)
+            return self.row["message"]
+        energy = result.energy
+        exchanged = max(
+            energy.dissipated[-1], *(np.ptp(e) for e in (energy.external_work, energy.kinetic))
+        )
+        residual = float(np.abs(energy.residual).max())
+        self.row |= {
+            **{name: int(result.stats[name]) for name in ("steps", "rejected", "evaluations")},
+            "residual": residual,
+            "dissipated": float(energy.dissipated[-1]),
+            "relative": residual / float(exchanged),
+            "message": "",
+        }
+        return ""
+
+    def numbers(self) -> dict[str, object]:
+        """Return time, counts and residual."""
+        if not self.row["message"]:
+            least = self.runs.least()
+            self.row |= {"time": least.seconds, "difference": least.difference}
+        return self.row
+
+
+def all_scenes(only: str, most: float) -> list[dict[str, object]]:
+    """Return the numbers of the scenes with `only` in their name, of `most` seconds at most."""
+    made = [
+        Measured(case, accuracy, min(case.duration, most))
+        for case in scenes()
+        if only in case.name
+        for accuracy in ACCURACIES
+    ]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        try:
-            simulation = rc.Simulation(scene)
-            begin = time.process_time()
-            simulation.step_to(duration)
-            spent = time.process_time() - begin
-            result = rc.Simulation(scene).run(duration, 1e-3, record=("energy",), progress=False)
-        except rc.RustchainError as error:
-            return {**row, "message": str(error)}
-    energy = result.energy
-    exchanged = max(
-        energy.dissipated[-1], *(np.ptp(e) for e in (energy.external_work, energy.kinetic))
-    )
-    counts = {name: int(result.stats[name]) for name in ("steps", "rejected", "evaluations")}
-    residual = float(np.abs(energy.residual).max())
-    return {
-        **row,
-        "time": spent,
-        **counts,
-        "residual": residual,
-        "dissipated": float(energy.dissipated[-1]),
-        "relative": residual / float(exchanged),
-        "message": "",
-    }
+        ended = [one for one in made if not one.meter()]
+        take_turns(one.runs for one in ended)
+    return [one.numbers() for one in made]
 
 
 COLUMNS = (
@@ -195,7 +224,7 @@ def share_rejected(row: dict[str, object]) -> float:
     return row["rejected"] / (row["steps"] + row["rejected"])
 
 
-def cells(row: dict[str, object]) -> tuple[str, ...]:
+def cells_of(row: dict[str, object]) -> tuple[str, ...]:
     """Return the cells of a line of the table."""
     first = (row["scene"], f"{row['duration']:g}", f"{row['accuracy']:g}")
     if row["message"]:
@@ -248,7 +277,7 @@ def write(rows: list[dict[str, object]]) -> None:
     """Write the numbers, and the table into its page."""
     NUMBERS.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
     lines = [
-        *table(COLUMNS, [cells(row) for row in rows]),
+        *table(COLUMNS, [cells_of(row) for row in rows]),
         "",
         "Scenes with many rejected steps, or with more evaluations at the looser accuracy:",
         "",
@@ -264,14 +293,8 @@ def main() -> int:
     parser.add_argument("--test", action="store_true", help="all scenes, 1 ms each")
     parser.add_argument("--write", action="store_true", help=f"write {PAGE.name}")
     options = parser.parse_args()
-    print(" | ".join(COLUMNS))
-    rows = []
-    for case in scenes():
-        if options.only not in case.name:
-            continue
-        for accuracy in ACCURACIES:
-            rows.append(measured(case, accuracy, 1e-3 if options.test else case.duration))
-            print(" | ".join(cells(rows[-1])), flush=True)
+    rows = all_scenes(options.only, 1e-3 if options.test else np.inf)
+    print("\n".join(" | ".join(cells) for cells in (COLUMNS, *map(cells_of, rows))))
     print("\n".join(findings(rows)))
     if options.write:
         write(rows)

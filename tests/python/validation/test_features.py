@@ -40,7 +40,8 @@ def test_every_feature_runs_and_recording_leaves_the_steps_alone():
 
 
 def test_a_ratio_is_that_of_the_same_round():
-    default = [dict.fromkeys(features.COUNTS, 10) | {"time": time} for time in (1.0, 2.0, 3.0)]
+    counts = dict.fromkeys(("difference", *features.COUNTS), 10)
+    default = [counts | {"time": time} for time in (1.0, 2.0, 3.0)]
     twice = [one | {"time": 2.0 * one["time"]} for one in default]
     row = features.row({(25.0, "default"): default, (25.0, "twice"): twice}, 25.0, "twice")
     assert row["time"] == 4.0
