@@ -1,9 +1,10 @@
 """Processor times of simulations on a machine with other load.
 
 Other load shares caches, clock rate and execution units with a run. It adds time, for milliseconds
-to seconds. Equal runs take the same steps. They are divided into parts of about a millisecond, and
-each part counts with its least time of all runs. Between two of these runs all others have a turn,
-so that a busy second does not slow all of them.
+to seconds. Equal runs take the same steps. They are divided into parts, best of a millisecond or
+less. For each part the least time of all runs counts. Between two of these runs all others have a
+turn, so that a busy second does not slow all of them. The least of fewer runs and of longer parts
+is larger: this bias remains between fast and slow runs.
 """
 
 from __future__ import annotations
@@ -98,9 +99,9 @@ class EqualRuns:
         return least_of(self.parts)
 
 
-def take_turns(several: Iterable[EqualRuns]) -> None:
-    """Make the runs of all, one of each at a time."""
+def take_turns(several: Iterable[EqualRuns], most: int = MOST_RUNS) -> None:
+    """Make the runs of all, one of each at a time, at most so many of each, and two or more."""
     several = list(several)
-    for _ in range(MOST_RUNS):
+    for _ in range(max(most, 2)):
         for runs in several:
             runs.go_on()

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import rustchain as rc
-from least_times import Clock, EqualRuns, step, take_turns
+from least_times import MOST_RUNS, Clock, EqualRuns, step, take_turns
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "python"))
@@ -191,10 +191,10 @@ class Measured:
         return self.row
 
 
-def all_scenes(only: str, most: float) -> list[dict[str, object]]:
-    """Return the numbers of the scenes with `only` in their name, of `most` seconds at most."""
+def all_scenes(only: str = "", short: bool = False) -> list[dict[str, object]]:
+    """Return the numbers of the scenes with `only` in their name; short ones for tests."""
     made = [
-        Measured(case, accuracy, min(case.duration, most))
+        Measured(case, accuracy, 1e-3 if short else case.duration)
         for case in scenes()
         if only in case.name
         for accuracy in ACCURACIES
@@ -202,7 +202,7 @@ def all_scenes(only: str, most: float) -> list[dict[str, object]]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         ended = [one for one in made if not one.meter()]
-        take_turns(one.runs for one in ended)
+        take_turns((one.runs for one in ended), 2 if short else MOST_RUNS)
     return [one.numbers() for one in made]
 
 
@@ -273,17 +273,26 @@ def put(page: str, name: str, lines: list[str]) -> str:
     return "\n".join([f"{before}{begin}", "", *lines, "", f"{end}{after}"])
 
 
-def write(rows: list[dict[str, object]]) -> None:
-    """Write the numbers, and the table into its page."""
-    NUMBERS.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+def with_table(page: str, rows: list[dict[str, object]]) -> str:
+    """Return the text of the page with the table of these numbers."""
+    differences = [row["difference"] for row in rows if not row["message"]]
     lines = [
         *table(COLUMNS, [cells_of(row) for row in rows]),
+        "",
+        f"Two halves of the equal runs differ by {np.median(differences):.0%} in time (median of "
+        f"all lines; {max(differences):.0%} in one).",
         "",
         "Scenes with many rejected steps, or with more evaluations at the looser accuracy:",
         "",
         *(findings(rows) or ["- none"]),
     ]
-    PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), "table", lines), encoding="utf-8")
+    return put(page, "table", lines)
+
+
+def write(rows: list[dict[str, object]]) -> None:
+    """Write the numbers, and the table into its page."""
+    NUMBERS.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), rows), encoding="utf-8")
 
 
 def main() -> int:
@@ -293,7 +302,12 @@ def main() -> int:
     parser.add_argument("--test", action="store_true", help="all scenes, 1 ms each")
     parser.add_argument("--write", action="store_true", help=f"write {PAGE.name}")
     options = parser.parse_args()
-    rows = all_scenes(options.only, 1e-3 if options.test else np.inf)
+    if options.write and (options.only or options.test):
+        parser.error("--write needs all scenes in full: leave out --only and --test")
+    if not any(options.only in case.name for case in scenes()):
+        names = ", ".join(case.name for case in scenes())
+        parser.error(f"--only {options.only!r}: no such scene; one of {names}")
+    rows = all_scenes(options.only, options.test)
     print("\n".join(" | ".join(cells) for cells in (COLUMNS, *map(cells_of, rows))))
     print("\n".join(findings(rows)))
     if options.write:

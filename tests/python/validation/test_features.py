@@ -7,8 +7,19 @@ import numpy as np
 import pytest
 
 import features
+import least_times
+import practical
 import rustchain as rc
-from least_times import MOST_RUNS, Clock, EqualRuns, each_row, least_of, step, take_turns
+from least_times import (
+    LEAST_RUNS,
+    MOST_RUNS,
+    Clock,
+    EqualRuns,
+    each_row,
+    least_of,
+    step,
+    take_turns,
+)
 
 FOUND = json.loads(features.NUMBERS.read_text(encoding="utf-8"))
 
@@ -34,12 +45,19 @@ def test_the_start_of_a_case_takes_less_than_two_milliseconds():
 def test_every_feature_runs_and_recording_leaves_the_steps_alone():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        rows = features.all_features(rounds=1, lead=1e-3, duration=1e-3)
+        rows = features.all_features(rounds=1, lead=1e-3, duration=1e-3, most=3)
     assert all(row["steps"] > 0 and row["time"] > 0.0 for row in rows)
     first = {row["pretension"]: row["steps"] for row in rows if row["feature"] == "default"}
     recorded = [row for row in rows if "row" in row["feature"]]
     assert len(recorded) == 2 * 11
     assert [row["steps"] for row in recorded] == [first[row["pretension"]] for row in recorded]
+    # One of the equal runs counts, from the state after the lead.
+    for pretension, steps in first.items():
+        alone = rc.Simulation(features.scene_of(features.Feature("default"), pretension, 1.0))
+        alone.step_to(1e-3)
+        before = alone.stats["steps"]
+        alone.step_to(2e-3)
+        assert steps == alone.stats["steps"] - before
 
 
 def test_a_ratio_is_that_of_the_same_round():
@@ -66,6 +84,13 @@ def test_equal_runs_take_turns():
     assert order == ["a", "b"] * MOST_RUNS
 
 
+def test_slow_runs_are_made_less_often(monkeypatch):
+    monkeypatch.setattr(least_times, "SECONDS", 0.0)
+    slow = EqualRuns(lambda clock: sum(range(1000)))
+    take_turns([slow])
+    assert len(slow.parts) == LEAST_RUNS
+
+
 def test_parts_change_neither_steps_nor_motion():
     whole, divided, recorded = (rc.Simulation(rc.paper_drive(25.0)) for _ in range(3))
     whole.step_to(5e-3)
@@ -78,3 +103,18 @@ def test_parts_change_neither_steps_nor_motion():
     for other in (divided, recorded):
         assert other.stats["steps"] == whole.stats["steps"]
         assert np.array_equal(other.positions, whole.positions)
+
+
+def test_the_page_of_practical_scenes_has_the_numbers_beside_it():
+    page = practical.PAGE.read_text(encoding="utf-8")
+    assert practical.with_table(page, json.loads(practical.NUMBERS.read_text("utf-8"))) == page
+
+
+def test_a_scene_that_fails_keeps_its_message_and_the_others_their_times(monkeypatch):
+    broken = practical.Practical("broken", practical.five_bar, 2e9)  # longer than a run may be
+    good = practical.Practical("good", practical.five_bar, 1e-4)
+    monkeypatch.setattr(practical, "scenes", lambda: [broken, good])
+    rows = practical.all_scenes()
+    assert [bool(row["message"]) for row in rows] == [True, True, False, False]
+    assert all(row["time"] > 0.0 for row in rows if not row["message"])
+    assert len(practical.cells_of(rows[0])) == len(practical.COLUMNS)
