@@ -6,6 +6,7 @@ use crate::common::checks::{
 };
 use crate::common::scenes::laws;
 use rustchain::chain::dynamics::Dynamics;
+use rustchain::drive::{Drive, HingeKind};
 use rustchain::force_law::{Damping, Elastic, Film, Regions};
 use rustchain::integrator::{Adams, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::{ForceLaws, Simulation};
@@ -42,6 +43,20 @@ fn pressed_scenes() -> Vec<(String, Simulation)> {
     scenes
 }
 
+/// Drives with ideal hinges at two pretensions, when teeth are pressed.
+fn pressed_ideal_scenes() -> impl Iterator<Item = (String, Simulation)> {
+    [25.0, 100.0].into_iter().map(|pretension| {
+        let drive = Drive {
+            hinge_kind: HingeKind::Ideal,
+            tensioner: Some(common::tensioner(pretension, 2e-3)),
+            ..common::paper_drive()
+        };
+        let mut run = common::simulation(&drive, &ForceLaws::default(), newton(1e-9));
+        common::advance(&mut run, 8e-3);
+        (format!("ideal {pretension} N"), run)
+    })
+}
+
 /// Whether some hinge or some bushing on a tooth touches.
 fn touches(dynamics: &Dynamics) -> bool {
     dynamics.hinge_contacts().any(|(depth, _)| depth > 0.0)
@@ -76,7 +91,7 @@ fn corrected(run: &Simulation, gamma: f64, indefinite: bool) -> Vec<f64> {
 /// A step's matrix has single precision, one that may be indefinite double precision. The matrix neglects some 1e-2 of a correction.
 #[test]
 fn single_precision_changes_a_correction_by_a_ten_thousandth_at_most() {
-    for (scene, run) in pressed_scenes() {
+    for (scene, run) in pressed_scenes().into_iter().chain(pressed_ideal_scenes()) {
         for (gamma, bound) in [
             (1e-9, 1e-6),
             (1e-7, 1e-6),

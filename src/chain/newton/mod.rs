@@ -79,6 +79,9 @@ pub(crate) struct NewtonMatrix {
     is_double: bool,
     /// Scratch: corrections of the links' ends.
     corrected: CorrectedEnds,
+    /// γ times the changes of the forces of ideal hinges by the last solution with a lack, those on fronts with opposite sign; that of the
+    /// last hinge precedes the first.
+    force_changes: [Vec<f64>; 2],
 }
 
 /// Factors of the matrix, in one precision.
@@ -134,8 +137,7 @@ impl NewtonMatrix {
         let rollers = model.rollers.iter();
         let rollers = rollers.flat_map(|rollers| [rollers.mass, rollers.inertia]);
         // A thick film has a stiffness of up to 1e4 masses of a link and more, which multiplies the rounding of a correction.
-        let suits_single = !model.hinges.ideal
-            && model.hinges.film.is_none()
+        let suits_single = model.hinges.film.is_none()
             && (inertias.copied().chain(rollers))
                 .all(|inertia| (LIGHTEST..1.0 / LIGHTEST).contains(&inertia));
         Self {
@@ -145,6 +147,11 @@ impl NewtonMatrix {
             double: (!suits_single).then(|| Box::new(Factors::new(model))),
             is_double: false,
             corrected: CorrectedEnds::new(model.links),
+            force_changes: if model.hinges.ideal {
+                [(); 2].map(|()| vec![0.0; model.links + 1])
+            } else {
+                [(); 2].map(|()| Vec::new())
+            },
         }
     }
 
@@ -175,11 +182,12 @@ impl NewtonMatrix {
         residual: &mut [f64],
         lack: Option<&[Numbers; 2]>,
     ) {
+        let changes = &mut self.force_changes;
         match (&mut self.double, &mut self.single) {
             (Some(double), _) if self.is_double => {
-                double.correct(model, instructions, residual, lack);
+                double.correct(model, instructions, residual, (lack, changes));
             }
-            (_, Some(single)) => single.correct(model, instructions, residual, lack),
+            (_, Some(single)) => single.correct(model, instructions, residual, (lack, changes)),
             _ => {}
         }
     }
@@ -194,21 +202,26 @@ impl NewtonMatrix {
         lack: &[Numbers; 2],
     ) {
         change.fill(0.0);
+        self.exchange_spare();
+        self.correct(model, instructions, change, Some(lack));
+        self.exchange_spare();
+    }
+
+    /// Exchange the last solution and the one beside a step.
+    fn exchange_spare(&mut self) {
         if let Some(double) = &mut self.double {
             std::mem::swap(&mut double.unknowns, &mut double.spare);
-            double.correct(model, instructions, change, Some(lack));
-            std::mem::swap(&mut double.unknowns, &mut double.spare);
+        }
+        if let Some(single) = &mut self.single {
+            std::mem::swap(&mut single.unknowns, &mut single.spare);
         }
     }
 
-    /// Return γ times the changes of the forces of `hinges` ideal hinges by the last correction, those on fronts with opposite sign; that of
+    /// Return γ times the changes of the forces of ideal hinges by the last correction, those on fronts with opposite sign; that of
     /// the last hinge precedes the first.
-    pub(crate) fn changes_of_hinge_forces(&self, hinges: usize) -> [&[f64]; 2] {
-        let Some(double) = &self.double else {
-            return [&[]; 2];
-        };
-        let [x, y] = double.links.hinge_forces();
-        [x, y].map(|axis| &axis[BASE - 1..BASE + hinges])
+    pub(crate) fn changes_of_hinge_forces(&self) -> [&[f64]; 2] {
+        let [x, y] = &self.force_changes;
+        [x, y]
     }
 
     /// Write the corrections of the velocities of the links' ends with the last correction; with `FRICTION` of angular velocities too.
@@ -293,7 +306,7 @@ impl<T: Number> Factors<T> {
         model: &Model,
         instructions: InstructionSet,
         residual: &mut [f64],
-        lack: Option<&[Numbers; 2]>,
+        (lack, force_changes): (Option<&[Numbers; 2]>, &mut [Vec<f64>; 2]),
     ) {
         macro_rules! correct {
             ($friction:literal) => {
@@ -312,6 +325,12 @@ impl<T: Number> Factors<T> {
             correct!(true);
         } else {
             correct!(false);
+        }
+        let forces = self.links.hinge_forces().iter();
+        for (changes, forces) in force_changes.iter_mut().zip(forces) {
+            for (change, force) in changes.iter_mut().zip(&forces[BASE - 1..]) {
+                *change = force.double();
+            }
         }
     }
 
@@ -514,9 +533,12 @@ mod tests {
         let (mut model, _) = compiled(&drive());
         for ideal in [false, true] {
             model.hinges.ideal = ideal;
-            let matrix = NewtonMatrix::new(&model);
-            assert_eq!(matrix.single.is_some(), !ideal);
-            assert_eq!(matrix.double.is_some(), ideal);
+            for (mass, suits) in [(1e-2, true), (1e20, false)] {
+                model.chain.mass[0] = mass;
+                let matrix = NewtonMatrix::new(&model);
+                assert_eq!(matrix.single.is_some(), suits, "{ideal} {mass}");
+                assert_eq!(matrix.double.is_some(), !suits, "{ideal} {mass}");
+            }
         }
     }
 }

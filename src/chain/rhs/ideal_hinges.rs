@@ -294,7 +294,7 @@ impl Kernels {
             self.factorise(model, pawls, 0.0, true);
             if let Some(newton) = &mut self.newton {
                 newton.close(model, self.instructions, &mut ideal.change, &ideal.lack);
-                let changes = newton.changes_of_hinge_forces(n);
+                let changes = newton.changes_of_hinge_forces();
                 for (to, change) in ideal.force.iter_mut().zip(changes) {
                     let (factor, change) = (-1.0, &change[1..]);
                     self.instructions.run(AddScaled { to, factor, change });
@@ -339,7 +339,7 @@ impl Kernels {
         newton.correct(model, self.instructions, residual, Some(&ideal.lack));
         self.instructions.run(TakeForces {
             gamma: ideal.gamma,
-            change: newton.changes_of_hinge_forces(n),
+            change: newton.changes_of_hinge_forces(),
             force: &mut ideal.force,
             residual: &mut ideal.residual,
             direction,
