@@ -150,7 +150,7 @@ features: build ## Run the published drive with every feature in turn, and sweep
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md
 	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
 
-work-precision: build reference-solvers ## Measure run time against error beside other solvers and rewrite docs/performance/work-precision.md (12 minutes)
+work-precision: build reference-solvers ## Measure run time against error beside other solvers and rewrite docs/performance/work-precision.md (45 minutes)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benches/work_precision.py
 
 # Other integrators, and the right-hand side that they call.

@@ -1,6 +1,6 @@
 """Run time against error: this project's integrator and other solvers on the same right-hand side.
 
-`make work-precision` builds what it needs, runs all scenes (at most 12 minutes on an idle
+`make work-precision` builds what it needs, runs all scenes (45 minutes on an idle
 machine) and writes docs/performance/work-precision.json, and from it the chart and the pages
 work-precision.md and work-precision-tables.md. `--only SCENE`, as often as wanted, runs these alone
 and puts them into the last full run's place; `--redraw` writes chart and pages of the last run;
@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+from least_times import take_turns
 from work_precision import own, peers, render, scenes
 from work_precision.analysis import LOAD_LIMIT, disturbance, force_statistics
 from work_precision.peers import Start
@@ -157,33 +158,35 @@ def twin(tried):
 
 def long_runs(duration):
     """Energy residual and statistics of forces; rows of a table. Under 100 N none of "pece"."""
-    rows = []
-    for pretension in (0.0, 25.0, 100.0):
-        for method, tolerances in LONG.items():
-            for tolerance in tolerances if pretension < 50.0 or method != "pece" else []:
-                result, wall = own.long_run(Start(pretension), method, tolerance, duration)
-                energy = result.energy
-                row = {
-                    "pretension": pretension,
-                    "method": scenes.OWN[method],
-                    "tolerance": tolerance,
-                    "wall": wall / duration,
-                    "steps": int(result.stats["steps"]),
-                    "residual": energy.residual[-1] / energy.dissipated[-1],
-                    "forces": {
-                        f"{what} {which}": values
-                        for (what, which), values in force_statistics(
-                            result, 0.1 * duration
-                        ).items()
-                    },
-                }
-                print(
-                    f"  {pretension:>5.0f} N  {row['method']:<20}{tolerance:>9.0e}"
-                    f"{row['wall']:>9.3g} s/s  residual {row['residual']:.1e}",
-                    flush=True,
-                )
-                rows.append(row)
-    return rows
+    runs = [
+        own.LongRun(Start(pretension), method, tolerance, duration)
+        for pretension in (0.0, 25.0, 100.0)
+        for method, tolerances in LONG.items()
+        for tolerance in (tolerances if pretension < 50.0 or method != "pece" else [])
+    ]
+    take_turns(run.equal for run in runs)
+    return [row_of(run) for run in runs]
+
+
+def row_of(run):
+    """Return the row of a long run."""
+    result, energy = run.result, run.result.energy
+    forces = force_statistics(result, 0.1 * run.duration)
+    row = {
+        "pretension": run.start.pretension,
+        "method": scenes.OWN[run.method],
+        "tolerance": run.tolerance,
+        "wall": run.equal.least().seconds / run.duration,
+        "steps": int(result.stats["steps"]),
+        "residual": energy.residual[-1] / energy.dissipated[-1],
+        "forces": {f"{what} {which}": values for (what, which), values in forces.items()},
+    }
+    print(
+        f"  {row['pretension']:>5.0f} N  {row['method']:<20}{run.tolerance:>9.0e}"
+        f"{row['wall']:>9.3g} s/s  residual {row['residual']:.1e}",
+        flush=True,
+    )
+    return row
 
 
 def last_run():
@@ -242,8 +245,9 @@ class Record:
 
     def why_disturbed(self, name, loads):
         """Say why the machine was not quiet before a scene, or during it; nothing where it was."""
-        times = [line["times"] for line in self.found["lines"] if line["scene"] == name]
-        return "" if self.tried else disturbance(loads, times)
+        lines = [line for line in self.found["lines"] if line["scene"] == name]
+        differences = [line["difference"] for line in lines]
+        return "" if self.tried else disturbance(loads, differences)
 
     def make(self, name, scene):
         """Run one scene until the machine is quiet during it, at most `ATTEMPTS` times."""

@@ -31,24 +31,28 @@ fn main() {
     let tolerances = [
         1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 3e-14,
     ];
-    let repeats = if only_tried() { 1 } else { REPEATS };
+    let mut cases = Vec::new();
     for tolerance in tolerances {
         for corrector in CORRECTORS {
-            say("kepler", corrector, tolerance, repeats, || {
-                kepler(tolerance, corrector)
-            });
+            cases.push(Case::new("kepler", corrector, tolerance, kepler));
         }
     }
     for lambda in [0.0, Damping::LankaraniNikravesh.lambda(0.71)] {
         let name = if lambda == 0.0 { "pin" } else { "damped_pin" };
         for tolerance in tolerances {
             for corrector in CORRECTORS {
-                say(name, corrector, tolerance, repeats, || {
-                    pin(tolerance, lambda, corrector)
-                });
+                let run = move |tolerance, corrector| pin(tolerance, lambda, corrector);
+                cases.push(Case::new(name, corrector, tolerance, run));
             }
         }
     }
+    // In turn: other load, for a while, would slow all runs of one case.
+    for _ in 0..if only_tried() { 1 } else { REPEATS } {
+        for case in &mut cases {
+            case.go_on();
+        }
+    }
+    cases.iter().for_each(Case::say);
     instruction_sets();
     chain_lengths();
 }
@@ -61,26 +65,49 @@ struct Known {
     error: f64,
 }
 
-fn say(
-    problem: &str,
+/// A problem with a corrector and a tolerance, and its runs.
+struct Case {
+    problem: &'static str,
     corrector: Corrector,
     tolerance: f64,
-    repeats: usize,
-    run: impl Fn() -> Known,
-) {
-    let method = corrector.name();
-    let runs: Vec<Known> = (0..repeats).map(|_| run()).collect();
-    let walls: Vec<f64> = runs.iter().map(|run| run.wall).collect();
-    let Known {
-        steps,
-        evaluations,
-        error,
-        ..
-    } = runs[0];
-    println!(
-        "{{\"kind\": \"{problem}\", \"method\": \"{method}\", \"tolerance\": {tolerance:e}, \"walls\": {walls:?}, \"steps\": {steps}, \
-         \"evaluations\": {evaluations}, \"error\": {error:e}}}"
-    );
+    run: Box<dyn Fn(f64, Corrector) -> Known>,
+    runs: Vec<Known>,
+}
+
+impl Case {
+    fn new(
+        problem: &'static str,
+        corrector: Corrector,
+        tolerance: f64,
+        run: impl Fn(f64, Corrector) -> Known + 'static,
+    ) -> Self {
+        Self {
+            problem,
+            corrector,
+            tolerance,
+            run: Box::new(run),
+            runs: Vec::new(),
+        }
+    }
+
+    fn go_on(&mut self) {
+        self.runs.push((self.run)(self.tolerance, self.corrector));
+    }
+
+    fn say(&self) {
+        let (problem, method, tolerance) = (self.problem, self.corrector.name(), self.tolerance);
+        let walls: Vec<f64> = self.runs.iter().map(|run| run.wall).collect();
+        let Known {
+            steps,
+            evaluations,
+            error,
+            ..
+        } = self.runs[0];
+        println!(
+            "{{\"kind\": \"{problem}\", \"method\": \"{method}\", \"tolerance\": {tolerance:e}, \"walls\": {walls:?}, \"steps\": {steps}, \
+             \"evaluations\": {evaluations}, \"error\": {error:e}}}"
+        );
+    }
 }
 
 fn smooth_control(tolerance: f64, corrector: Corrector) -> StepControl {

@@ -48,19 +48,19 @@ def ratios_of_rounds(own, other, wanted):
     return np.array([time(other, k) / time(own, k) for k in range(rounds)])
 
 
-def spread(times_of_points):
-    """Median over least time, less one, of the points with three runs or more: their median."""
-    several = [times for times in times_of_points if len(times) > 2]
-    return float(np.median([np.median(t) / min(t) - 1.0 for t in several])) if several else np.nan
+def spread(differences):
+    """Median difference of the times that two halves of equal runs have; NaN without any."""
+    known = [difference for difference in differences if np.isfinite(difference)]
+    return float(np.median(known)) if known else np.nan
 
 
-def disturbance(loads, times_of_points):
+def disturbance(loads, differences):
     """Say why a machine was not quiet; nothing where it was."""
     if max(loads) > LOAD_LIMIT:
         return f"the load average was {max(loads):.1f}, more than {LOAD_LIMIT}"
-    wide = spread(times_of_points)
+    wide = spread(differences)
     if wide > SPREAD_LIMIT:
-        return f"times of a point spread by {wide:.0%}, more than {SPREAD_LIMIT:.0%}"
+        return f"two halves of equal runs differ by {wide:.0%}, more than {SPREAD_LIMIT:.0%}"
     return ""
 
 

@@ -13,6 +13,7 @@ import numpy as np
 WHY = ["out of time at {:.3g} s", "", "failed at {:.3g} s"]
 HERE = Path(__file__).parent.parent / "compiled_rhs"
 _POINTER = c.POINTER(c.c_double)
+MOST_PARTS = 2**16  # of a run
 
 
 class _Outcome(c.Structure):
@@ -27,6 +28,8 @@ class _Outcome(c.Structure):
         ("uncharged", c.c_double),
         ("residual", c.c_double),
         ("dissipated", c.c_double),
+        ("deducted", c.c_double),
+        ("parts", c.c_uint64),
     ]
 
 
@@ -44,7 +47,10 @@ class _Tableau(c.Structure):
 
 @dataclass
 class Run:
-    """Result of one run; times in s, energies in J."""
+    """Result of one run; times in s, energies in J.
+
+    `parts` are the times of parts of the run, and `deducted` what is not charged of their sum.
+    """
 
     wall: float
     steps: int = 0
@@ -58,6 +64,8 @@ class Run:
     positions: np.ndarray | None = None
     error: float = np.nan
     why: str = ""
+    parts: np.ndarray | None = None
+    deducted: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -109,6 +117,8 @@ def _library():
         c.POINTER(_Tableau),
         c.c_char_p,
         c.c_void_p,
+        c.c_void_p,
+        c.c_size_t,
         c.POINTER(_Outcome),
     ]
     return library
@@ -195,7 +205,7 @@ def _tableau(method):
 def compiled(problem, method, tolerance, end, wall=1e9, metered=False):
     """Integrate with `method` of `COMPILED`, no Python in between; `Run` and the final y."""
     with System(problem, metered) as system:
-        outcome, y = _Outcome(), np.empty(system.dimension)
+        outcome, y, marks = _Outcome(), np.empty(system.dimension), np.empty(MOST_PARTS)
         number, pair = COMPILED[method]
         tableau, _kept = _tableau(pair) if pair else (None, None)
         failed = LIBRARY.integrate(
@@ -208,6 +218,8 @@ def compiled(problem, method, tolerance, end, wall=1e9, metered=False):
             tableau,
             CVODE,
             y.ctypes.data,
+            marks.ctypes.data,
+            MOST_PARTS,
             outcome,
         )
         if failed:
@@ -224,6 +236,8 @@ def compiled(problem, method, tolerance, end, wall=1e9, metered=False):
             residual=outcome.residual,
             dissipated=outcome.dissipated,
             why=WHY[outcome.finished].format(outcome.reached),
+            parts=np.diff(marks[: outcome.parts], prepend=0.0),
+            deducted=outcome.deducted,
         )
         if isinstance(problem, Start) and finished:
             run.positions = system.positions(end, y)

@@ -148,8 +148,8 @@ def summary(record):
             f"`auto`, the default, takes at most {max(shares):.2f} times the time of the fastest "
             "method of rustchain in these lines."
         )
-    share = spread([line["times"] for line in record["lines"]])
-    said.append(f"The median time of a point is {1.0 + share:.2f} times its least time.")
+    share = spread([line["difference"] for line in record["lines"]])
+    said.append(f"Two halves of equal runs differ by {share:.1%} in time (median of all points).")
     return "\n".join([*rows, "", *said])
 
 

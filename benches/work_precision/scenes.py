@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from least_times import least_of
+
 from . import own, peers
 from .peers import Run, Start
 
@@ -40,6 +42,7 @@ class Line:
     runs: int
     note: str
     times: list[float] = field(default_factory=list)  # `wall` of each timed run
+    difference: float = np.nan  # of the times that two halves of equal runs have; median
 
 
 def stored(pretension):
@@ -67,10 +70,10 @@ def say(line):
 
 # A point is timed again while its timed runs took less than this: first for one, then for more [s].
 LITTLE = (1.0, 0.2)
-# A timed run is the fastest of equal ones that take so much time together, at most so many: the
-# first of them finds cold caches [s].
-SHORT = 0.03
-MOST_EQUAL = 20
+# A timed run is made of equal ones: each of its parts counts with its least time. There are so
+# many, and fewer where they take more time together, but never less than the lower number [s].
+EQUAL_RUNS = (6, 12)
+EQUAL_TIME = 1.5
 
 
 @dataclass
@@ -84,22 +87,40 @@ class Point:
     budget: float  # [s] of all runs; there is always one of each kind
     timed: list[Run] = field(default_factory=list)
     metered: list[Run] = field(default_factory=list)
+    spent: float = 0.0  # by timed runs [s]
+    differences: list[float] = field(default_factory=list)  # of two halves of equal runs
 
-    def go_on(self, turn, repeats, spread):
-        """Make the runs of one turn; the tolerances of turns differ by the share `spread`."""
-        tolerance = self.tolerance * (1.0 + spread * turn)
-        spent = sum(run.wall for run in self.timed)
-        if turn < repeats and spent < LITTLE[turn > 1] and self._may(self.timed):
-            self.timed.append(self._fastest(tolerance))
-        if turn < self.runs and self._may(self.metered):
-            self.metered.append(self.run(tolerance, True))
+    def begin(self, turn, repeats, spread):
+        """Begin a turn; the tolerances of turns differ by the share `spread`."""
+        self.turn, self.equal, self.equal_time = turn, [], 0.0
+        self.of_turn = self.tolerance * (1.0 + spread * turn)
+        self.is_timed = turn < repeats and self.spent < LITTLE[turn > 1] and self._may(self.timed)
 
-    def _fastest(self, tolerance):
-        """Return the fastest of equal runs; one where a run is not short."""
-        runs = [self.run(tolerance, False)]
-        while len(runs) < MOST_EQUAL and sum(run.wall for run in runs) < SHORT:
-            runs.append(self.run(tolerance, False))
-        return min(runs, key=lambda run: run.wall)
+    def time(self):
+        """Make one of the equal runs of this turn, if there are not enough."""
+        fewest, most = EQUAL_RUNS
+        enough = len(self.equal) >= (fewest if self.equal_time > EQUAL_TIME else most)
+        failed = self.equal and not self.equal[-1].finished
+        if self.is_timed and not enough and not failed:
+            self.equal.append(self.run(self.of_turn, False))
+            self.equal_time += self.equal[-1].wall
+
+    def end(self):
+        """End a turn: make its metered run, and one timed run of the equal ones."""
+        if self.equal:
+            self.timed.append(self._of_equal())
+        if self.turn < self.runs and self._may(self.metered):
+            self.metered.append(self.run(self.of_turn, True))
+
+    def _of_equal(self):
+        """Return the last of the equal runs, with the least time of each of its parts."""
+        run = self.equal[-1]
+        if run.finished:
+            least = least_of([run.parts for run in self.equal])
+            run.wall = least.seconds - min(run.deducted for run in self.equal)
+            self.differences.append(least.difference)
+        self.spent += run.wall
+        return run
 
     def _may(self, done):
         made = self.timed + self.metered
@@ -138,8 +159,14 @@ def take_turns(points, plan, spread=0.0):
     """
     for turn in range(max(plan.repeats, plan.runs, plan.other_runs)):
         first = turn % len(points)
-        for point in points[first:] + points[:first]:
-            point.go_on(turn, plan.repeats, spread)
+        in_turn = points[first:] + points[:first]
+        for point in in_turn:
+            point.begin(turn, plan.repeats, spread)
+        for _ in range(EQUAL_RUNS[1]):
+            for point in in_turn:
+                point.time()
+        for point in in_turn:
+            point.end()
 
 
 def line_of(scene, point, duration, dissipated=np.nan, position_error=np.nan):
@@ -184,6 +211,7 @@ def line_of(scene, point, duration, dissipated=np.nan, position_error=np.nan):
             runs,
             note,
             times,
+            float(np.median(point.differences)) if point.differences else np.nan,
         )
     )
 

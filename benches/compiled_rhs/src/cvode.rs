@@ -276,7 +276,8 @@ pub(crate) fn run(
     let slopes = outcome.steps as f64;
     // No more than its share, should the machine have been slower while it was timed.
     let most = outcome.wall / (outcome.evaluations as f64 + slopes);
-    outcome.wall -= slopes * time_of_slope(system, t, y, &mut slope).min(most);
+    outcome.deducted = slopes * time_of_slope(system, t, y, &mut slope).min(most);
+    outcome.wall -= outcome.deducted;
     outcome.jacobians = user.jacobians;
     call!(lib, b"CVodeFree", (*mut Pointer) -> (), (&raw mut memory));
     if !solver.is_null() {

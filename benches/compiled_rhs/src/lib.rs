@@ -14,6 +14,7 @@ mod problems;
 mod smooth;
 mod system;
 
+use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::time::Duration;
 
@@ -48,6 +49,10 @@ pub struct Outcome {
     pub residual: f64,
     /// Energy dissipated \[J\].
     pub dissipated: f64,
+    /// Part of the processor time that is not in `wall` and is the same in every run \[s\].
+    pub deducted: f64,
+    /// Parts of the run, of which the caller has the times.
+    pub parts: u64,
 }
 
 impl Outcome {
@@ -81,17 +86,29 @@ impl Outcome {
     }
 }
 
-/// When a run that takes too long is given up.
+/// When a run that takes too long is given up, and the times of its parts.
 struct Budget {
     begin: ThreadTime,
     wall: Duration,
     evaluations: u64,
+    /// Processor time but for the search for onsets, at the ends of parts of so many steps \[s\].
+    marks: RefCell<Vec<f64>>,
 }
+
+/// Steps of a part.
+const STEPS_OF_A_PART: u64 = 64;
 
 impl Budget {
     fn spent(&self, outcome: &Outcome) -> bool {
+        if outcome.steps.is_multiple_of(STEPS_OF_A_PART) {
+            let elapsed = self.begin.elapsed();
+            let charged = elapsed.as_secs_f64() - outcome.uncharged;
+            self.marks.borrow_mut().push(charged);
+            if elapsed > self.wall {
+                return true;
+            }
+        }
         outcome.evaluations > self.evaluations
-            || (outcome.steps.is_multiple_of(64) && self.begin.elapsed() > self.wall)
     }
 }
 
@@ -329,7 +346,8 @@ pub struct CTableau {
 
 /// Integrates a system from its start to `end`, from where `y` is written. `method`: 0 classical Runge-Kutta with steps of
 /// `tolerance`, 1 the embedded pair of `tableau`, 2 CVODE's Adams with functional iteration, 3 with Newton, 4 its BDF, all three
-/// from the shared library at `library`. Returns 0, or 1 when that library cannot be used.
+/// from the shared library at `library`. Writes the times at the ends of parts into `marks` \[s\], which has room for `room` of them.
+/// Returns 0, or 1 when that library cannot be used.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn integrate(
     handle: *mut Handle,
@@ -341,13 +359,17 @@ pub unsafe extern "C" fn integrate(
     tableau: *const CTableau,
     library: *const c_char,
     y: *mut f64,
+    marks: *mut f64,
+    room: usize,
     outcome: *mut Outcome,
 ) -> i32 {
     // SAFETY: a live handle, arrays as `CTableau` and the dimension say, a C string.
-    let (handle, y, outcome) = unsafe {
+    let (handle, y, marks, outcome) = unsafe {
         let handle = &mut *handle;
         let n = handle.start.len();
-        (handle, std::slice::from_raw_parts_mut(y, n), &mut *outcome)
+        let y = std::slice::from_raw_parts_mut(y, n);
+        let marks = std::slice::from_raw_parts_mut(marks, room);
+        (handle, y, marks, &mut *outcome)
     };
     y.copy_from_slice(&handle.start);
     let system = handle.problem.evolving();
@@ -355,6 +377,7 @@ pub unsafe extern "C" fn integrate(
         begin: ThreadTime::now(),
         wall: Duration::from_secs_f64(wall),
         evaluations,
+        marks: RefCell::default(),
     };
     let done = match method {
         0 => Ok(explicit::rk4(system, y, tolerance, end, &budget).timed(&budget)),
@@ -394,6 +417,12 @@ pub unsafe extern "C" fn integrate(
     };
     let Ok(done) = done else { return 1 };
     *outcome = done;
+    // The rest is one part, also where there are more parts than room.
+    let mut found = budget.marks.into_inner();
+    found.truncate(room - 1);
+    found.push(done.wall + done.deducted);
+    marks[..found.len()].copy_from_slice(&found);
+    outcome.parts = found.len() as u64;
     if let Problem::Drive(drive) = &mut handle.problem {
         [outcome.residual, outcome.dissipated] = drive.balance(outcome.reached, y);
         outcome.onsets = drive.onsets();

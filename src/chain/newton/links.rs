@@ -6,6 +6,7 @@
 //! `f_k = L_k² (F_k w_k - R_(k+1) w_(k+1))`, where L² is its stiffness. With f = L g the elimination of the links leaves the symmetric ring
 //! `(1 + L_k (F_k D_k⁻¹ F_k^T + R_(k+1) D_(k+1)⁻¹ R_(k+1)^T) L_k) g_k - L_k F_k D_k⁻¹ R_k^T L_(k-1) g_(k-1) - ... = L_k (F_k w_k - R_(k+1) w_(k+1))`.
 //! It has no divisions by a stiffness, which is zero in an open hinge and tiny at an onset: rounding stays small in single precision.
+//! With ideal hinges L is one, and the one before L is left out.
 
 use super::blocks::{Block, Registers, Symmetric, Vector};
 use super::contacts::HingeRoots;

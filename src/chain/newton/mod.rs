@@ -62,10 +62,15 @@ const LONGEST: f64 = 3e-5;
 /// within the range of such numbers, 1e-38 to 3e38.
 const LIGHTEST: f64 = 1e-12;
 
+/// Largest ratio of the masses at two ideal hinges for factors of single precision. These hinges have no compliance, which would bound the effect of
+/// rounding, 6e-8 times the ratio.
+const MOST_UNEQUAL: f64 = 1e3;
+
 /// Contact slopes written by evaluations, the matrix and its factors.
 ///
 /// The factors of a step have single precision, whose vectors hold twice as many numbers. The residual has double precision. Rounding
-/// changes a correction by far less than the terms that the matrix neglects, but where a hinge is much stiffer than a link is heavy: films.
+/// changes a correction by far less than the terms that the matrix neglects, but where a film is much stiffer than a link is heavy, or where
+/// links on ideal hinges have very unequal masses.
 #[derive(Debug, Clone)]
 pub(crate) struct NewtonMatrix {
     /// Written by evaluations.
@@ -73,13 +78,13 @@ pub(crate) struct NewtonMatrix {
     motions: Vec<SprocketMotions>,
     /// Factors of single precision, where the model suits it.
     single: Option<Box<Factors<f32>>>,
-    /// Factors of double precision, where it does not, or once a step has needed them.
+    /// Factors of double precision, where it does not, or once a step or accelerations with ideal hinges have needed them.
     double: Option<Box<Factors<f64>>>,
     /// Whether the last factors have double precision.
     is_double: bool,
     /// Scratch: corrections of the links' ends.
     corrected: CorrectedEnds,
-    /// γ times the changes of the forces of ideal hinges by the last solution with a lack, those on fronts with opposite sign; that of the
+    /// γ times the changes of the forces of ideal hinges by the last solution, those on fronts with opposite sign; that of the
     /// last hinge precedes the first.
     force_changes: [Vec<f64>; 2],
 }
@@ -139,7 +144,8 @@ impl NewtonMatrix {
         // A thick film has a stiffness of up to 1e4 masses of a link and more, which multiplies the rounding of a correction.
         let suits_single = model.hinges.film.is_none()
             && (inertias.copied().chain(rollers))
-                .all(|inertia| (LIGHTEST..1.0 / LIGHTEST).contains(&inertia));
+                .all(|inertia| (LIGHTEST..1.0 / LIGHTEST).contains(&inertia))
+            && !(model.hinges.ideal && inequality(model) > MOST_UNEQUAL);
         Self {
             slopes: Slopes::new(model),
             motions: SprocketMotions::of(model),
@@ -437,6 +443,17 @@ impl<T: Number> Factors<T> {
     }
 }
 
+/// Return the largest ratio of masses of links at their hinges: of whole links, and of moments of inertia over the square of the arm.
+fn inequality(model: &Model) -> f64 {
+    let turning = |inertia| inertia / (model.half_pitch * model.half_pitch);
+    let masses = model.chain.mass.iter().copied();
+    let masses = masses.chain(model.chain.inertia.iter().map(turning));
+    let (least, most) = masses.fold((f64::INFINITY, 0.0f64), |(least, most), mass| {
+        (least.min(mass), most.max(mass))
+    });
+    most / least
+}
+
 /// Column of the border as the right-hand side.
 struct Column<'a, T>(&'a Border<T>);
 
@@ -533,11 +550,12 @@ mod tests {
         let (mut model, _) = compiled(&drive());
         for ideal in [false, true] {
             model.hinges.ideal = ideal;
-            for (mass, suits) in [(1e-2, true), (1e20, false)] {
-                model.chain.mass[0] = mass;
+            // Factors of the mass of one link.
+            for (factor, suits) in [(1.0, true), (1e4, !ideal), (1e20, false)] {
+                model.chain.mass[0] = factor * model.chain.mass[1];
                 let matrix = NewtonMatrix::new(&model);
-                assert_eq!(matrix.single.is_some(), suits, "{ideal} {mass}");
-                assert_eq!(matrix.double.is_some(), !suits, "{ideal} {mass}");
+                assert_eq!(matrix.single.is_some(), suits, "{ideal} {factor}");
+                assert_eq!(matrix.double.is_some(), !suits, "{ideal} {factor}");
             }
         }
     }

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from least_times import least_of
 from work_precision import render
 from work_precision.analysis import (
     LOAD_LIMIT,
@@ -66,17 +67,27 @@ def test_the_ratio_is_taken_in_each_round_and_a_point_with_one_run_counts_in_all
     assert ratios_of_rounds(own, other, 1e-3) == pytest.approx([8.0, 4.0, 2.0])
 
 
-def test_a_busy_machine_and_times_that_spread_are_told():
-    steady, wide = [1.0, 1.01, 1.02], [1.0, 1.0 + 2.0 * SPREAD_LIMIT, 2.0]
-    assert disturbance([0.9, 1.1], [steady, steady, wide]) == ""
-    assert "load average" in disturbance([0.9, LOAD_LIMIT + 0.1], [steady])
-    assert "spread" in disturbance([1.0], [steady, wide, wide])
-    assert disturbance([1.0], [[1.0, 3.0]]) == ""  # two runs have no spread
+def test_a_busy_machine_and_halves_that_differ_are_told():
+    near, far = 0.5 * SPREAD_LIMIT, 2.0 * SPREAD_LIMIT
+    assert disturbance([0.9, 1.1], [near, near, far]) == ""
+    assert "load average" in disturbance([0.9, LOAD_LIMIT + 0.1], [near])
+    assert "differ by" in disturbance([1.0], [near, far, far])
+    assert disturbance([1.0], [np.nan]) == ""  # a point without equal runs
+
+
+def test_a_part_counts_with_its_least_time_of_all_runs():
+    quiet = np.array([1.0, 2.0, 3.0])
+    runs = [quiet + busy for busy in ([0.0, 1.0, 0.0], [1.0, 0.0, 0.3], [0.5, 0.5, 0.0])]
+    least = least_of(runs)
+    assert least.seconds == 6.0
+    # The first and third run leave 0.5 in the second part, the second alone 1.3.
+    assert least.difference == pytest.approx(abs(6.5 - 7.3) / 6.0)
 
 
 def test_the_record_is_of_a_quiet_machine():
-    times = [line.get("times", []) for line in RECORD["lines"]]
-    assert disturbance(np.ravel(list(RECORD["load"].values())), times) == ""
+    differences = [line["difference"] for line in RECORD["lines"]]
+    assert np.isfinite(differences).any()
+    assert disturbance(np.ravel(list(RECORD["load"].values())), differences) == ""
     assert len(set(RECORD["machines"].values())) == 1
 
 
