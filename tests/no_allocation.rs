@@ -9,13 +9,14 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::time::Duration;
 
-use rustchain::Groups;
+use rustchain::drive::{Drive, HingeKind};
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
 use rustchain::math::simd::InstructionSet;
 use rustchain::multibody::{ContactLaw, ContactPair, Marker, MechanismModel, Profile, Tribology};
 use rustchain::run::MechanismSimulation;
+use rustchain::{ForceLaws, Groups};
 
 use common::mechanisms;
 use common::scenes::{Scene, geared_drive, laws};
@@ -58,41 +59,62 @@ fn the_counter_counts() {
     drop(room);
 }
 
+/// Advance a drive from 5 to 15 ms with its energies; return steps, onsets and allocations of that time.
+fn ten_milliseconds(drive: &Drive, laws: &ForceLaws, corrector: Corrector) -> (u64, u64, u64) {
+    let control = StepControl {
+        corrector,
+        accuracy: 1e-11,
+        ..StepControl::default()
+    };
+    let mut simulation = common::simulation(drive, laws, control);
+    simulation.start_recording(
+        1.0,
+        1.0,
+        Groups {
+            energy: true,
+            ..Groups::default()
+        },
+    );
+    // Past the first report, which makes the room for its row.
+    simulation.advance(5e-3, Duration::MAX).unwrap();
+    let begun = simulation.statistics();
+    let before = ALLOCATIONS.get();
+    simulation.advance(15e-3, Duration::MAX).unwrap();
+    let allocations = ALLOCATIONS.get() - before;
+    let done = simulation.statistics();
+    let steps = done.counts.steps - begun.counts.steps;
+    (steps, done.onsets - begun.onsets, allocations)
+}
+
+const CORRECTORS: [Corrector; 3] = [Corrector::Pece, Corrector::Newton, Corrector::Auto];
+
 #[test]
 fn ten_milliseconds_with_hundreds_of_onsets_allocate_nothing() {
     for elastic in LAWS {
         for regions in [Regions::Kept, Regions::Sharp] {
             let laws = laws(elastic, Damping::LankaraniNikravesh, regions);
-            for corrector in [Corrector::Pece, Corrector::Newton, Corrector::Auto] {
-                let control = StepControl {
-                    corrector,
-                    accuracy: 1e-11,
-                    ..StepControl::default()
-                };
-                let mut simulation = common::simulation(&common::paper_drive(), &laws, control);
-                simulation.start_recording(
-                    1.0,
-                    1.0,
-                    Groups {
-                        energy: true,
-                        ..Groups::default()
-                    },
-                );
-                // Past the first report, which makes the room for its row.
-                simulation.advance(5e-3, Duration::MAX).unwrap();
-                let begun = simulation.statistics();
-                let before = ALLOCATIONS.get();
-                simulation.advance(15e-3, Duration::MAX).unwrap();
-                let allocations = ALLOCATIONS.get() - before;
-                let done = simulation.statistics();
-                assert!(
-                    done.counts.steps > begun.counts.steps + 1000,
-                    "{elastic:?} {corrector:?}"
-                );
-                assert!(done.onsets > begun.onsets + 100, "{elastic:?}");
+            for corrector in CORRECTORS {
+                let (steps, onsets, allocations) =
+                    ten_milliseconds(&common::paper_drive(), &laws, corrector);
+                assert!(steps > 1000, "{elastic:?} {corrector:?}");
+                assert!(onsets > 100, "{elastic:?}");
                 assert_eq!(allocations, 0, "{elastic:?} {regions:?} {corrector:?}");
             }
         }
+    }
+}
+
+#[test]
+fn ten_milliseconds_with_ideal_hinges_allocate_nothing() {
+    let drive = Drive {
+        hinge_kind: HingeKind::Ideal,
+        ..common::paper_drive()
+    };
+    for corrector in CORRECTORS {
+        let (steps, onsets, allocations) =
+            ten_milliseconds(&drive, &ForceLaws::default(), corrector);
+        assert!(steps > 300 && onsets > 10, "{steps} {onsets} {corrector:?}");
+        assert_eq!(allocations, 0, "{corrector:?}");
     }
 }
 

@@ -177,13 +177,8 @@ CASES = [
 ]
 # Rollers are light: order 4 is stable only in steps whose errors are rounding, 1e-15 m. Newton's
 # method takes order 3 in steps of 1e-6 s, and order 2 in longer ones. The errors of the film at
-# order 5 are rounding, too. With ideal hinges Newton's matrix of single precision leaves 5e-13 m.
-ROUNDING = [
-    ("rollers", "pece", 4),
-    ("rollers", "newton", 4),
-    ("film", "pece", 4),
-    ("ideal hinges", "newton", 4),
-]
+# order 5 are rounding, too.
+ROUNDING = [("rollers", "pece", 4), ("rollers", "newton", 4), ("film", "pece", 4)]
 CHOSEN = [(kind, *case) for kind in SCENES for case in CASES if (kind, *case[:2]) not in ROUNDING]
 
 
@@ -199,6 +194,9 @@ def test_the_error_falls_with_the_order_of_the_corrector(kind, method, max_order
     # With much damping errors are not yet powers of longer steps: the order is 3.5 at 2e-6 s.
     if (kind, method, max_order) == ("damping", "newton", 4):
         step = 1.6e-6
+    # With ideal hinges the rounding of Newton's matrix leaves 5e-13 m.
+    if (kind, method, max_order) == ("ideal hinges", "newton", 4):
+        step = 4e-6
     scene, exact = reference(kind)
     steps = (step, 0.5 * step)
     coarse, fine = (abs(centres(run(scene, method, max_order, h)[0]) - exact).max() for h in steps)
