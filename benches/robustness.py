@@ -1,7 +1,8 @@
 """Robustness: outcome, cost and residual of scenes that are hard in different ways.
 
 Prints a line for each scene; with --write, the table goes into docs/performance/robustness.md. The
-exit status is 1 when a scene fails: it does not end, or its energy balance does not close.
+exit status is 1 when a scene fails: it does not end, or its energy balance does not close. Where
+hardly any energy is dissipated, a run may warn of that instead.
 """
 
 from __future__ import annotations
@@ -10,8 +11,6 @@ import argparse
 import sys
 import time
 import warnings
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -38,6 +37,8 @@ class Scene:
     drive: rc.ChainDrive
     law: rc.ForceLaw = _LAW
     min_impact_velocity: float = 1e-3
+    accuracy: float | None = None
+    """Where the scene needs another than the others [m]."""
 
 
 def restitution(drive: rc.ChainDrive, value: float) -> rc.ChainDrive:
@@ -75,6 +76,10 @@ def scenes(duration: float) -> list[Scene]:
             found.append(
                 Scene(f"restitution {e}, {n} N", restitution(drive(pretension=n or None), e))
             )
+    tighter = Scene(
+        "restitution 1.0, 0 N, accuracy 1e-11 m", restitution(drive(), 1.0), accuracy=1e-11
+    )
+    found.append(tighter)
     for minimum in (1e-5, 1e-4, 1e-2, 1e-1):
         for n in (0, 25, 100):
             name = f"minimum impact velocity {minimum:g} m/s, {n} N"
@@ -88,6 +93,7 @@ def scenes(duration: float) -> list[Scene]:
     ):
         for n in (0, 25, 100):
             found.append(Scene(f"{name}, {n} N", drive(pretension=n or None), law=law))
+    found.append(Scene("Johnson, 0 N, accuracy 1e-11 m", drive(), law=rc.Johnson(), accuracy=1e-11))
     for rpm in (10, 1000, 3000, 6000):
         for n in (0, 100):
             turning = sprockets(
@@ -124,6 +130,8 @@ class Outcome:
     dissipated: float
     exchanged: float
     message: str = ""
+    warned: bool = False
+    """Whether the run warned of its energy balance."""
 
     @property
     def ratio(self) -> float:
@@ -140,17 +148,25 @@ class Outcome:
     def failure(self) -> str:
         """Reason why the scene failed; empty when it did not."""
         allowed = OF_DISSIPATED * self.dissipated + OF_EXCHANGED * self.exchanged
-        if self.message or self.residual <= allowed:
+        excused = self.warned and self.scale == "exchanged"
+        if self.message or excused or self.residual <= allowed:
             return self.message
         return f"its balance is off: {allowed:.1e} J are allowed"
+
+    @property
+    def end(self) -> str:
+        """How the scene ended, in a word."""
+        return self.failure or ("ends with a warning" if self.warned else "ends")
 
 
 def run(scene: Scene, solver: rc.Solver, duration: float) -> Outcome:
     """Run a scene and sum it up."""
     begin = time.perf_counter()
     message = ""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    if scene.accuracy is not None:
+        solver = replace(solver, accuracy=scene.accuracy)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
         try:
             simulation = rc.Simulation(
                 scene.drive, scene.law, min_impact_velocity=scene.min_impact_velocity, solver=solver
@@ -172,6 +188,7 @@ def run(scene: Scene, solver: rc.Solver, duration: float) -> Outcome:
         float(energy.dissipated[-1]),
         float(exchanged + energy.elastic.max()),
         message,
+        any(issubclass(warning.category, rc.EnergyWarning) for warning in caught),
     )
 
 
@@ -188,7 +205,7 @@ def row(outcome: Outcome) -> tuple[str, ...]:
         f"{outcome.onsets:.0f}",
         f"{outcome.residual:.1e}",
         f"{outcome.ratio:.1e} {outcome.scale}",
-        outcome.failure or "ends",
+        outcome.end,
     )
 
 
@@ -199,7 +216,6 @@ def main() -> int:
     parser.add_argument("--method", default="auto")
     parser.add_argument("--accuracy", type=float, default=1e-10)
     parser.add_argument("--only", default="", help="scenes whose name has this in it")
-    parser.add_argument("--jobs", type=int, default=1, help="scenes at a time")
     parser.add_argument("--test", action="store_true", help="a few scenes, briefly")
     parser.add_argument("--write", action="store_true", help=f"write {TABLE.name}")
     options = parser.parse_args()
@@ -208,13 +224,11 @@ def main() -> int:
     if options.test:
         chosen = chosen[::9]
     solver = rc.Solver(method=options.method, accuracy=options.accuracy)
-    one: Callable[[Scene], Outcome] = lambda scene: run(scene, solver, duration)  # noqa: E731
     outcomes = []
     print(" | ".join(COLUMNS))
-    with ThreadPoolExecutor(options.jobs) as pool:
-        for outcome in pool.map(one, chosen):
-            outcomes.append(outcome)
-            print(" | ".join(row(outcome)), flush=True)
+    for scene in chosen:
+        outcomes.append(run(scene, solver, duration))
+        print(" | ".join(row(outcomes[-1])), flush=True)
     failures = sum(bool(outcome.failure) for outcome in outcomes)
     print(f"{len(outcomes)} scenes, {failures} failures")
     if options.write:
@@ -235,10 +249,11 @@ def write(outcomes: list[Outcome], options: argparse.Namespace, duration: float)
         "The residual is the largest of all reports, every millisecond. The reference is the "
         "energy dissipated, or the energy exchanged if less than a hundredth of it was "
         "dissipated. Energy exchanged is the sum of the energy dissipated and the ranges of "
-        "external work, kinetic and elastic energy. A scene fails when it does not end, or "
-        f"when the residual exceeds the sum of {OF_DISSIPATED:g} of the energy dissipated and "
-        f"{OF_EXCHANGED:g} of the energy exchanged. Runs without pretension are chaotic: their "
-        "residuals differ by a factor of a few from one run to the next.",
+        "external work, kinetic and elastic energy. A scene fails when it does not end. It "
+        f"also fails when the residual exceeds the sum of {OF_DISSIPATED:g} of the energy "
+        f"dissipated and {OF_EXCHANGED:g} of the energy exchanged. Where hardly any energy is "
+        "dissipated, it may end with a warning instead. Runs without pretension are chaotic: "
+        "their residuals differ by a factor of a few from one run to the next.",
         "",
         "Scenes without damping (restitution 1.0, Johnson's law) are slow and have the "
         "largest residuals, because nothing stops contacts from bouncing. At restitution 1.0 "
@@ -246,8 +261,9 @@ def write(outcomes: list[Outcome], options: argparse.Namespace, duration: float)
         "Their number is constant, and the kinetic energy stays between 0.07 and 0.09 J. "
         "`newton` takes 6.5e5 steps at 1e-9 m, one for 0.8 impacts. The energy error of an "
         "impact is 1.3e-8 J there, and 2.5e-9 J with `auto` and `pece` at 1e-10 m. The errors "
-        "have one sign and add up, and hardly any energy is dissipated for comparison. A "
-        "tighter accuracy is the remedy.",
+        "have one sign and add up, and hardly any energy is dissipated for comparison. "
+        "Such runs end with a warning, which names an accuracy. A tighter accuracy is the "
+        "remedy, as two rows show.",
         "",
         "| " + " | ".join(COLUMNS) + " |",
         "|" + "---|" * len(COLUMNS),
