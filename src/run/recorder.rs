@@ -18,11 +18,10 @@ const ENERGIES: [&str; 6] = [
     "energy_residual",
 ];
 
-/// Rows for which memory is reserved at the beginning, at most.
+/// Memory that is reserved for rows at the beginning of a run, at most \[B\]: 5 s of the published drive with the default groups.
 ///
-/// 20 MB for all groups of the published drive. Vectors that grow from nothing copy each row once or twice. Doubled: those of longer runs do
-/// so later.
-const ROWS_WITH_ROOM: f64 = 4096.0;
+/// Vectors that grow from nothing copy each row once or twice. Those of longer runs do so later, doubled.
+const LARGEST_ROOM: f64 = 256e6;
 
 /// Report intervals before the end within which a report is the last one, at the end: rounding of a product of the interval.
 const ROUNDING_AT_END: f64 = 1e-9;
@@ -61,8 +60,11 @@ impl<S: System> Recorder<S> {
             channels.extend(names.map(|name| Channel::real(name, &[])));
         }
         let sizes = system.peak_sizes(groups).into_iter();
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // up to ROWS_WITH_ROOM
-        let rows = ((end - begin) / report_step).min(ROWS_WITH_ROOM) as usize;
+        let numbers: usize = channels.iter().map(Channel::row_length).sum();
+        let most = LARGEST_ROOM / (size_of::<f64>() * numbers.max(1)) as f64;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        // few enough for the memory
+        let rows = ((end - begin) / report_step).min(most) as usize;
         for channel in &mut channels {
             channel.make_room(rows + 2); // the first and the last one
         }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::common::{control, paper_drive, record, simulation};
-use rustchain::{ForceLaws, Groups, Recording, Simulation};
+use rustchain::{ForceLaws, Groups, Recording, Simulation, Values};
 
 const ALL: Groups = Groups {
     hinges: true,
@@ -55,6 +55,33 @@ fn pieces_join_to_the_recording() {
     }
     assert_eq!(pieces.balance_note(), whole.balance_note());
     assert!(pieces.snapshot().to_bytes().unwrap() == whole.snapshot().to_bytes().unwrap());
+}
+
+#[test]
+fn memory_of_all_rows_is_reserved_at_the_beginning() {
+    let mut run = fresh();
+    let recording = record(
+        &mut run,
+        1e-3,
+        1e-7,
+        Groups {
+            hinges: true,
+            ..Groups::default()
+        },
+    );
+    assert_eq!(recording.time.len(), 10_001);
+    for channel in &recording.channels {
+        let Values::Real(values) = &channel.values else {
+            panic!("{}", channel.name);
+        };
+        assert_eq!(values.len(), 10_001 * channel.row_length());
+        // Doubled arrays would have room for 16,384 rows.
+        assert!(
+            values.capacity() < 10_100 * channel.row_length(),
+            "{}",
+            channel.name
+        );
+    }
 }
 
 #[test]
