@@ -138,27 +138,8 @@ impl Tensioner {
             line: line.as_ref(),
             number,
         };
-        if let (true, [first, second]) = (self.separates_two_sprockets(drive), &drive.sprockets[..])
-        {
-            let between = second.center - first.center;
-            let away = if number == 0 { -between } else { between };
-            let [r1, r2] = [first, second].map(|s| pitch_radius(drive.chain.pitch, s.teeth));
-            let sin = (r1 - r2) / between.norm();
-            let cos = (1.0 - sin * sin).max(0.0).sqrt();
-            let direction = self.direction.unwrap_or(away).normalize();
-            self.share(direction, 2.0 * cos * away.normalize())?;
-            let taut_at = way.closing_place((direction, 0.0));
-            // The line of centres where the chain is taut: a steep direction turns it.
-            let taut = away + taut_at.unwrap_or(0.0) * direction;
-            // The cosine of the direction, from its sine: exactly one along the line of centres.
-            let across = direction.perp(&taut) / taut.norm();
-            let along = (1.0 - across * across).max(0.0).sqrt();
-            return Ok(TensionerLine {
-                direction,
-                curvature: 0.0,
-                pull: 2.0 * self.pretension * cos * along + self.stiffness * taut_at.unwrap_or(0.0),
-                taut_at,
-            });
+        if self.separates_two_sprockets(drive) {
+            return self.line_from_the_other_sprocket(&way);
         }
         let against = -way.taut_at(Vec2::zeros()).map_err(Error::Impossible)?.pull;
         let (direction, curvature) = match (self.direction, self.pivot) {
@@ -191,6 +172,30 @@ impl Tensioner {
             direction,
             curvature,
             pull: tight * self.pretension + self.stiffness * s,
+            taut_at,
+        })
+    }
+
+    /// Return the guide path and pull of one of two sprockets that slides.
+    fn line_from_the_other_sprocket(&self, way: &Way) -> Result<TensionerLine> {
+        let sprockets = &way.drive.sprockets;
+        let between = sprockets[1].center - sprockets[0].center;
+        let away = if way.number == 0 { -between } else { between };
+        let [r1, r2] = [0, 1].map(|i| pitch_radius(way.drive.chain.pitch, sprockets[i].teeth));
+        let sin = (r1 - r2) / between.norm();
+        let cos = (1.0 - sin * sin).max(0.0).sqrt();
+        let direction = self.direction.unwrap_or(away).normalize();
+        self.share(direction, 2.0 * cos * away.normalize())?;
+        let taut_at = way.closing_place((direction, 0.0));
+        // The line of centres where the chain is taut: a steep direction turns it.
+        let taut = away + taut_at.unwrap_or(0.0) * direction;
+        // The cosine of the direction, from its sine: exactly one along the line of centres.
+        let across = direction.perp(&taut) / taut.norm();
+        let along = (1.0 - across * across).max(0.0).sqrt();
+        Ok(TensionerLine {
+            direction,
+            curvature: 0.0,
+            pull: 2.0 * self.pretension * cos * along + self.stiffness * taut_at.unwrap_or(0.0),
             taut_at,
         })
     }

@@ -3,7 +3,7 @@
 use super::configuration::InitialConfiguration;
 use super::laid_chain::{Lie, START_GAPS};
 use super::report::{GuidePlacement, Layout};
-use crate::drive::{Drive, Mount, Rail, RailShape};
+use crate::drive::{Chain, Drive, Mount, Rail, RailShape};
 use crate::error::{Error, Result, pair};
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
@@ -32,65 +32,22 @@ impl InitialConfiguration {
         let hinges = self.hinges(drive);
         for (number, rail) in drive.guides.iter().enumerate() {
             let profile = rail.for_bushings(drive.chain.contact_radius()).profile()?;
-            let (bearing, offset) = (rail.bearing(), rail.offset());
-            let middle = |angle: f64| {
-                let along = unit(angle);
-                bearing + offset.x * along + offset.y * turned_left(along)
-            };
-            let gap_beside = |middle: Vec2, angle: f64| {
-                Lie {
-                    chain: &drive.chain,
-                    hinges: &hinges,
-                    sprockets: vec![(middle, angle, &profile)],
-                }
-                .smallest_gap()
-            };
-            let gap = |angle: f64| gap_beside(middle(angle), angle);
-            check_beside_sprockets(drive, number, (middle(rail.angle()), rail.angle()))?;
-            let angle = clear_angle(rail, gap).ok_or_else(|| {
-                let middle = middle(rail.angle());
-                let inside = -gap(rail.angle());
-                let moved = |back: Vec2| {
-                    let gap = |by: f64| gap_beside(middle + by * back, rail.angle());
-                    least_displacement(inside, gap) * back
-                };
-                let displacement = match rail.shape {
-                    RailShape::Bar { .. } => moved(-rail.direction.normalize()),
-                    RailShape::Wheel { .. } => {
-                        let across = across(&hinges, middle);
-                        let [one, other] = [moved(across), moved(-across)];
-                        let nearer = one.norm() < other.norm();
-                        if nearer { one } else { other }
-                    }
-                };
-                overlap(number, rail, inside, displacement)
-            })?;
-            let turn = angle - rail.angle();
-            let mut travel = [0.0; 2];
-            if let Mount::Arm(arm) = rail.mount {
-                let out = turn * rail.lever(&arm);
-                if -out > arm.travel[0] {
-                    // Rounded up, so that the proposed number is enough.
-                    return Err(Error::Impossible(format!(
-                        "guide {}: its plunger must start {:.3} mm back for the arm to be clear of the chain, past its stop at {:.3} \
-                         mm; give GuideArm.travel a first number of at least {:.6} m, or {}",
-                        number + 1,
-                        -1e3 * out,
-                        1e3 * arm.travel[0],
-                        (-1e6 * out).ceil() / 1e6,
-                        move_back(rail)
-                    )));
-                }
-                travel = [arm.travel[0] + out, arm.travel[1] - out];
-            }
-            layout.start_gap = layout.start_gap.min(gap(angle));
-            let lie = Beside {
-                drive,
+            let beside = Beside {
+                chain: &drive.chain,
+                hinges: &hinges,
+                rail,
                 profile: &profile,
-                middle: middle(angle),
-                angle,
             };
-            let (nearest, gap, bushings) = lie.of(&hinges);
+            let described = rail.angle();
+            check_beside_sprockets(drive, number, (beside.middle(described), described))?;
+            let angle = clear_angle(rail, |angle| beside.gap(angle)).ok_or_else(|| {
+                let inside = -beside.gap(described);
+                overlap(number, rail, inside, beside.displacement(inside))
+            })?;
+            let turn = angle - described;
+            let travel = plunger_travel(number, rail, turn)?;
+            layout.start_gap = layout.start_gap.min(beside.gap(angle));
+            let (nearest, gap, bushings) = beside.nearest(angle);
             if bushings == 0 && !matches!(rail.mount, Mount::Arm(_)) {
                 layout.warnings.push(format!(
                     "guide {} has no bushing within half a pitch of it, the nearest at {:.1} mm: it has no contact",
@@ -106,6 +63,7 @@ impl InitialConfiguration {
                 bushings,
                 place,
             });
+            let bearing = rail.bearing();
             self.positions.push([bearing.x, bearing.y, angle]);
             self.velocities.push([0.0; 3]);
         }
@@ -131,6 +89,27 @@ impl InitialConfiguration {
         }
         (0..n).map(between).collect()
     }
+}
+
+/// Return the travel of a guide's plunger \[m\], out and in, after a rotation of its arm by `turn`; zeros without an arm.
+fn plunger_travel(number: usize, rail: &Rail, turn: f64) -> Result<[f64; 2]> {
+    let Mount::Arm(arm) = rail.mount else {
+        return Ok([0.0; 2]);
+    };
+    let out = turn * rail.lever(&arm);
+    if -out > arm.travel[0] {
+        // Rounded up, so that the proposed number is enough.
+        return Err(Error::Impossible(format!(
+            "guide {}: its plunger must start {:.3} mm back for the arm to be clear of the chain, past its stop at {:.3} \
+             mm; give GuideArm.travel a first number of at least {:.6} m, or {}",
+            number + 1,
+            -1e3 * out,
+            1e3 * arm.travel[0],
+            (-1e6 * out).ceil() / 1e6,
+            move_back(rail)
+        )));
+    }
+    Ok([arm.travel[0] + out, arm.travel[1] - out])
 }
 
 /// Return a unit vector across the chain at the hinge nearest to a point.
@@ -253,21 +232,61 @@ fn distance(outline: &[Vec2], point: Vec2) -> f64 {
     }
 }
 
-/// A guide in its initial position.
+/// A guide beside the laid chain.
 struct Beside<'a> {
-    drive: &'a Drive,
+    chain: &'a Chain,
+    hinges: &'a [Vec2],
+    rail: &'a Rail,
     profile: &'a ToothProfile,
-    middle: Vec2,
-    angle: f64,
 }
 
 impl Beside<'_> {
-    /// Return the nearest of the bushings at `hinges`, its distance \[m\], and the number within half a pitch.
-    fn of(&self, hinges: &[Vec2]) -> (usize, f64, u32) {
-        let chain = &self.drive.chain;
-        let along = unit(self.angle);
-        let gaps = hinges.iter().map(|hinge| {
-            let offset = hinge - self.middle;
+    /// Return the centre of the guide's outline at an angle of the guide \[m\].
+    fn middle(&self, angle: f64) -> Vec2 {
+        let (along, offset) = (unit(angle), self.rail.offset());
+        self.rail.bearing() + offset.x * along + offset.y * turned_left(along)
+    }
+
+    /// Return the smallest gap to the chain at an angle of the guide \[m\].
+    fn gap(&self, angle: f64) -> f64 {
+        self.gap_at(self.middle(angle), angle)
+    }
+
+    /// Return the smallest gap to the chain with the outline's centre at `middle` \[m\].
+    fn gap_at(&self, middle: Vec2, angle: f64) -> f64 {
+        Lie {
+            chain: self.chain,
+            hinges: self.hinges,
+            sprockets: vec![(middle, angle, self.profile)],
+        }
+        .smallest_gap()
+    }
+
+    /// Return the least displacement \[m\] that clears the guide at its described angle, where it overlaps the chain by `inside`: a
+    /// rail backwards, a wheel to the nearer side of the chain.
+    fn displacement(&self, inside: f64) -> Vec2 {
+        let angle = self.rail.angle();
+        let middle = self.middle(angle);
+        let moved = |back: Vec2| {
+            let gap = |by: f64| self.gap_at(middle + by * back, angle);
+            least_displacement(inside, gap) * back
+        };
+        match self.rail.shape {
+            RailShape::Bar { .. } => moved(-self.rail.direction.normalize()),
+            RailShape::Wheel { .. } => {
+                let across = across(self.hinges, middle);
+                let [one, other] = [moved(across), moved(-across)];
+                let nearer = one.norm() < other.norm();
+                if nearer { one } else { other }
+            }
+        }
+    }
+
+    /// Return the bushing nearest to the guide at an angle, its distance \[m\], and the number within half a pitch.
+    fn nearest(&self, angle: f64) -> (usize, f64, u32) {
+        let (middle, along) = (self.middle(angle), unit(angle));
+        let gaps = self.hinges.iter().map(|hinge| {
+            let offset = hinge - middle;
             // The half outline on the side of the face.
             let out = if offset.dot(&along) < 0.0 {
                 -along
@@ -277,7 +296,7 @@ impl Beside<'_> {
             let place = Vec2::new(offset.perp(&out), offset.dot(&out));
             -self
                 .profile
-                .contact(place, chain.contact_radius())
+                .contact(place, self.chain.contact_radius())
                 .penetration
         });
         let (mut nearest, mut least, mut beside) = (0, f64::INFINITY, 0);
@@ -285,7 +304,7 @@ impl Beside<'_> {
             if gap < least {
                 (nearest, least) = (k, gap);
             }
-            beside += u32::from(gap < 0.5 * chain.pitch);
+            beside += u32::from(gap < 0.5 * self.chain.pitch);
         }
         (nearest, least, beside)
     }

@@ -266,6 +266,27 @@ impl MechanismModel {
         ))
     }
 
+    /// Return the body that carries a gear joint of two `geared` bodies; the ground where none is named.
+    fn carrier(&self, joint: &Joint, geared: [usize; 2]) -> Result<usize> {
+        let JointKind::Gear {
+            carrier: Some(name),
+            ..
+        } = &joint.kind
+        else {
+            return Ok(0);
+        };
+        let owner = || format!("joint {:?}", joint.name);
+        let carrier = self.end(&Marker::new(name.clone(), 0.0, 0.0), owner)?.body;
+        if geared.contains(&carrier) {
+            return Err(Error::invalid(
+                format!("carrier of {}", owner()),
+                format!("{name:?}"),
+                "must be a third body",
+            ));
+        }
+        Ok(carrier)
+    }
+
     /// Return the scalar equations of a joint; values that are not given are those of the initial positions `frames`.
     fn equations_of(
         &self,
@@ -275,21 +296,7 @@ impl MechanismModel {
     ) -> Result<Vec<Equation>> {
         let owner = || format!("joint {:?}", joint.name);
         let (a, b) = (self.end(&joint.a, owner)?, self.end(&joint.b, owner)?);
-        let mut carrier = 0;
-        if let JointKind::Gear {
-            carrier: Some(name),
-            ..
-        } = &joint.kind
-        {
-            carrier = self.end(&Marker::new(name.clone(), 0.0, 0.0), owner)?.body;
-            if carrier == a.body || carrier == b.body {
-                return Err(Error::invalid(
-                    format!("carrier of {}", owner()),
-                    format!("{name:?}"),
-                    "must be a third body",
-                ));
-            }
-        }
+        let carrier = self.carrier(joint, [a.body, b.body])?;
         let equation = |quantity| Equation {
             joint: number,
             quantity,

@@ -93,35 +93,30 @@ impl MechanismModel {
                 ));
             }
         }
-        let whole = [
-            (
-                placed,
-                "to assemble: check its position, and that lengths and positions have the same unit",
-            ),
-            (
-                moving,
-                "to satisfy joints and drivers: check it; velocities of bodies that these determine may be left out",
-            ),
-        ];
-        whole
-            .into_iter()
-            .flat_map(|(mut found, question)| {
-                found.sort_by(|a, b| b.0.total_cmp(&a.0));
-                let more = found.len().saturating_sub(MOST_TOLD);
-                let others = if more > 0 {
-                    format!(" (and {more} more bodies)")
-                } else {
-                    String::new()
-                };
-                found.truncate(MOST_TOLD);
-                let last = found.len().saturating_sub(1);
-                found.into_iter().enumerate().map(move |(k, (_, text))| {
-                    let others = if k == last { others.as_str() } else { "" };
-                    format!("{text} {question}{others}")
-                })
-            })
-            .collect()
+        let mut warnings = largest(
+            placed,
+            "to assemble: check its position, and that lengths and positions have the same unit",
+        );
+        warnings.extend(largest(
+            moving,
+            "to satisfy joints and drivers: check it; velocities of bodies that these determine may be left out",
+        ));
+        warnings
     }
+}
+
+/// Return the texts of the largest changes, each with its `remedy`; the last one has the number of those left out. `found`: (change, text).
+fn largest(mut found: Vec<(f64, String)>, remedy: &str) -> Vec<String> {
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let more = found.len().saturating_sub(MOST_TOLD);
+    found.truncate(MOST_TOLD);
+    let mut texts: Vec<String> = (found.into_iter())
+        .map(|(_, text)| format!("{text} {remedy}"))
+        .collect();
+    if let Some(last) = texts.last_mut().filter(|_| more > 0) {
+        last.push_str(&format!(" (and {more} more bodies)"));
+    }
+    texts
 }
 
 /// Return the changes above round-off as text. `parts`: (change, scale, verb, unit).
