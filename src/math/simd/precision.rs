@@ -108,7 +108,7 @@ pub(crate) trait Vectors: Copy + Debug + 'static {
     fn without_tiny(self, a: Self::Vector) -> Self::Vector;
 }
 
-/// Size below which a number of single precision counts as zero, where that is asked for.
+/// Size below which a number of single precision counts as zero in residuals.
 ///
 /// Numbers below 1.2e-38 are subnormal. An operation on such a number takes some 150 cycles on processors by Intel.
 const TINY: f64 = 1e-24;
