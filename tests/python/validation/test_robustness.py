@@ -61,6 +61,20 @@ def test_a_scene_that_loses_energy_is_a_failure():
     assert outcome.failure
 
 
+def test_a_warning_excuses_undamped_scenes_up_to_a_limit():
+    undamped = next(scene for scene in SCENES if scene.name == "restitution 1.0, 0 N")
+    outcome = robustness.Outcome(undamped, 1.0, 1, 0, 1, 0.05, 0.0, 1.0, warned=True)
+    assert not outcome.failure
+    for worse in (
+        {"warned": False},
+        {"residual": 0.2},
+        {"residual": float("nan")},
+        {"message": "stopped"},
+        {"scene": SCENES[0]},
+    ):
+        assert replace(outcome, **worse).failure, worse
+
+
 def test_a_run_whose_balance_does_not_close_says_so_once():
     solver = rc.Solver(method="newton", accuracy=1e-4)
     simulation = rc.Simulation(rc.paper_drive(), solver=solver)
