@@ -114,7 +114,7 @@ fn largest(mut found: Vec<(f64, String)>, remedy: &str) -> Vec<String> {
         .map(|(_, text)| format!("{text} {remedy}"))
         .collect();
     if let Some(last) = texts.last_mut().filter(|_| more > 0) {
-        last.push_str(&format!(" (and {more} more bodies)"));
+        *last = format!("{last} (and {more} more bodies)");
     }
     texts
 }
