@@ -18,7 +18,7 @@ const ENERGIES: [&str; 6] = [
     "energy_residual",
 ];
 
-/// Memory that is reserved for rows at the beginning of a run, at most \[B\]: 5 s of the published drive with the default groups.
+/// Memory that is reserved for rows at the beginning of a run, at most \[B\]: 50,000 rows of the published drive with the default groups.
 ///
 /// Vectors that grow from nothing copy each row once or twice. Those of longer runs do so later, doubled.
 const LARGEST_ROOM: f64 = 256e6;
@@ -62,8 +62,7 @@ impl<S: System> Recorder<S> {
         let sizes = system.peak_sizes(groups).into_iter();
         let numbers: usize = channels.iter().map(Channel::row_length).sum();
         let most = LARGEST_ROOM / (size_of::<f64>() * numbers.max(1)) as f64;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        // few enough for the memory
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most `most`
         let rows = ((end - begin) / report_step).min(most) as usize;
         for channel in &mut channels {
             channel.make_room(rows + 2); // the first and the last one
@@ -122,6 +121,7 @@ impl<S: System> Recorder<S> {
     /// Return all complete rows.
     pub(crate) fn into_recording(mut self) -> Recording {
         self.recording.truncate_to_whole_rows();
+        self.recording.release_room();
         self.recording
     }
 

@@ -113,6 +113,16 @@ impl Recording {
         }
     }
 
+    /// Release the memory of rows that did not come, in a run that ended early.
+    pub(crate) fn release_room(&mut self) {
+        for channel in &mut self.channels {
+            match &mut channel.values {
+                Values::Real(values) => release_room(values),
+                Values::Whole(values) => release_room(values),
+            }
+        }
+    }
+
     /// Discard the values of an incomplete row.
     pub(crate) fn truncate_to_whole_rows(&mut self) {
         let rows = self.time.len();
@@ -123,6 +133,13 @@ impl Recording {
                 Values::Whole(values) => values.truncate(numbers),
             }
         }
+    }
+}
+
+/// Release reserved memory that is larger than the values.
+fn release_room<T>(values: &mut Vec<T>) {
+    if values.len() < values.capacity() / 2 {
+        values.shrink_to_fit();
     }
 }
 

@@ -141,7 +141,7 @@ fn long_steps_and_films_have_double_precision() {
 fn forces_and_powers_after_a_correction_need_no_evaluation() {
     let compared = forces_and_powers_follow_from_a_correction(pressed_scenes(), 0.0);
     assert_eq!(compared, 16);
-    // With ideal hinges the losses change by 3e-8 to 3e-7 W only, and the external power of some watts has rounding.
+    // With ideal hinges the losses change by 2e-8 to 3e-7 W only. The external power, of some watts, is compared to 1e-8 W.
     let compared = forces_and_powers_follow_from_a_correction(pressed_ideal_scenes(), 1e-8);
     assert_eq!(compared, 4);
 }

@@ -85,6 +85,23 @@ fn memory_of_all_rows_is_reserved_at_the_beginning() {
 }
 
 #[test]
+fn a_recording_that_ends_early_keeps_the_memory_of_its_rows_only() {
+    let mut run = fresh();
+    run.start_recording(1.0, 1e-4, ALL);
+    run.advance(1e-3, Duration::MAX).unwrap();
+    let recording = run.take_recording();
+    let rows = recording.time.len();
+    assert!((10..=11).contains(&rows), "{rows}");
+    for channel in &recording.channels {
+        let capacity = match &channel.values {
+            Values::Real(values) => values.capacity(),
+            Values::Whole(values) => values.capacity(),
+        };
+        assert_eq!(capacity, rows * channel.row_length(), "{}", channel.name);
+    }
+}
+
+#[test]
 fn without_a_recording_there_are_no_rows() {
     assert_eq!(fresh().take_rows(usize::MAX), Recording::default());
 }

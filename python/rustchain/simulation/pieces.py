@@ -14,8 +14,8 @@ DEFAULT = "256 MB"
 # writing changes by less than 5 %.
 _CHUNK = 256
 
-# How much memory a piece takes, over the size of its rows: the rows while they are recorded, in
-# arrays that grow by doubling, and the piece before while it is written.
+# How much memory a piece takes at most, over the size of its rows: the rows while they are
+# recorded, in arrays that are doubled when they grow, and the piece before while it is written.
 _COPIES = 4
 
 _UNITS = {"B": 1, "KB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}

@@ -4,7 +4,7 @@ use pulp::Simd;
 
 use super::{Lanes, Pack, Vectors, WIDTH, put_double_part};
 
-/// SIMD vectors of an array to read; lanes behind its end are zero.
+/// SIMD vectors of an array to read; lanes behind its end are zero, and so are tiny numbers in single precision.
 pub(crate) struct Entries<'a, S: Vectors> {
     simd: S,
     whole: &'a [Pack],

@@ -110,7 +110,7 @@ pub(crate) trait Vectors: Copy + Debug + 'static {
 
 /// Size below which a number of single precision counts as zero in residuals.
 ///
-/// Numbers below 1.2e-38 are subnormal. An operation on such a number takes some 150 cycles on processors by Intel.
+/// Numbers below 1.2e-38 are subnormal. Operations on such numbers are slow on processors by Intel.
 const TINY: f64 = 1e-24;
 
 /// Vectors of single precision with instruction set `S`.
