@@ -15,7 +15,7 @@ import rustchain as rc
 
 STORED = Path(__file__).parents[1] / "data" / "frozen_runs.json"
 # Instructions with fused multiply-add give the same bits; without it, roundings differ.
-FUSED = ("avx512", "avx2")
+FUSED = ("avx512", "avx2", "neon")
 
 
 def _geared(**keywords):

@@ -40,7 +40,7 @@ pub(crate) use pack8::{
     Pack, Pack8, fold_packs, packs, packs_from, packs_from_mut, packs_mut, part_of, parts,
     put_double_part, put_part, read, read_rounded, rounded_part, write,
 };
-pub(crate) use precision::{Number, Single, Vectors};
+pub(crate) use precision::{Number, Vectors};
 pub(crate) use rotate::rotated;
 pub(crate) use sin_cos::{sin_cos, write_sin_cos};
 pub(crate) use transpose::transposed;

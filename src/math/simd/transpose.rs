@@ -7,7 +7,7 @@ use std::any::Any;
 use pulp::x86::{V3, V4};
 
 #[cfg(target_arch = "x86_64")]
-use super::Single;
+use super::precision::Single;
 use super::{Lanes, Vectors, WIDTH};
 
 /// Return the transpose: lane i of vector j becomes lane j of vector i, for as many vectors as lanes. Further vectors remain unchanged.
