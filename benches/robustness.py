@@ -155,7 +155,7 @@ def run(scene: Scene, solver: rc.Solver, duration: float) -> Outcome:
     begin = time.perf_counter()
     message = ""
     if scene.accuracy is not None:
-        solver = replace(solver, accuracy=scene.accuracy)
+        solver = replace(solver, accuracy=min(scene.accuracy, solver.accuracy))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

@@ -12,6 +12,7 @@ use crate::error::Result;
 use crate::integrator::{Adams, Corrector, OdeSystem, StepControl};
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
+use crate::math::simd::InstructionSet;
 
 /// Return the control of a run of `model`: an evaluation of ideal hinges solves a linear system, so that explicit steps, which have two,
 /// are never cheaper than implicit ones.
@@ -61,6 +62,12 @@ impl Simulation<Dynamics> {
     /// four. The change of the result with `fineness` is the error of the quadrature.
     pub fn refine_meter(&mut self, fineness: usize) {
         self.system.refine_quadrature(fineness);
+    }
+
+    /// Select an instruction set instead of the widest one of this machine.
+    pub fn use_instructions(&mut self, instructions: InstructionSet) {
+        self.system.use_instructions(instructions);
+        self.adams.use_instructions(instructions);
     }
 
     /// Return the model with the present speeds and torques.

@@ -1,8 +1,11 @@
 //! Recordings of one group of channels: the same rows as in a recording of everything, and no contact looked for in vain.
 
-use crate::common::{advance, control, paper_drive, record, simulation, tensioner};
+use crate::common::{advance, control, paper_drive, record, roller_drive, simulation, tensioner};
 use rustchain::drive::{Drive, SprocketMotion};
-use rustchain::{ForceLaws, Groups, Simulation};
+use rustchain::force_law::{Friction, Regularization};
+use rustchain::integrator::StepControl;
+use rustchain::math::simd::InstructionSet;
+use rustchain::{ForceLaws, Groups, Recording, Simulation};
 
 const NOTHING: Groups = Groups {
     hinges: false,
@@ -108,5 +111,39 @@ fn a_report_looks_for_no_contact_that_its_channels_do_not_need() {
             &after.evaluated.accelerations.x,
             "accelerations",
         );
+    }
+}
+
+#[test]
+fn every_width_records_the_same_bits() {
+    let friction = Friction {
+        coefficient: 0.1,
+        regularization: Regularization::Tanh,
+        speed: 1e-3,
+        dead_speed: 0.0,
+    };
+    for mut drive in [paper_drive(), roller_drive()] {
+        drive.tensioner = Some(tensioner(25.0, 0.1));
+        for friction in [None, Some(friction)] {
+            let laws = ForceLaws {
+                hinge_friction: friction,
+                tooth_friction: friction,
+                ..ForceLaws::default()
+            };
+            let recordings = InstructionSet::available()
+                .into_iter()
+                .filter(|set| set.has_fused_multiply_add())
+                .map(|set| {
+                    let mut run = simulation(&drive, &laws, StepControl::default());
+                    run.use_instructions(set);
+                    record(&mut run, 0.06, 1e-3, ALL)
+                });
+            let recordings: Vec<Recording> = recordings.collect();
+            for pair in recordings.windows(2) {
+                for (one, other) in pair[0].channels.iter().zip(&pair[1].channels) {
+                    assert!(one == other, "{}, {laws:?}", one.name);
+                }
+            }
+        }
     }
 }

@@ -472,7 +472,9 @@ impl ToothPowers<'_> {
                     if number * parts::<S>().len() + part >= vectors {
                         break;
                     }
-                    if !group.force.at(simd, part).exceeds(zero).any() {
+                    // A contact whose factor 1 + λ δ'/δ'₀ is negative has no force. It dissipates all of its elastic power.
+                    let bears = group.force.at(simd, part).exceeds(zero);
+                    if !bears.or(zero.exceeds(group.power[1].at(simd, part))).any() {
                         continue;
                     }
                     let at = |array: &[Pack]| part_of(simd, &array[number], part);
