@@ -279,7 +279,10 @@ impl<S: System> Simulation<S> {
         });
         let stepped = timed.then(Instant::now);
         let finished = step.and_then(|step| {
-            if let Some(recorder) = &mut self.recorder {
+            // The last step ends behind the last report: its energy is in no row.
+            if let Some(recorder) = &mut self.recorder
+                && step.end <= recorder.end()
+            {
                 recorder.include_step_energy(&self.system);
             }
             self.system

@@ -159,8 +159,10 @@ def classify(found: Outcome, result: rc.Result, same: bool, warned: set[str]) ->
     """Set the class of a run that ended with a result."""
     found.steps = int(result.stats["steps"])
     if result.status == "interrupted":
+        found.outcome, found.message = "slow", "before its first row"
+        if not len(result.time):
+            return
         reached = result.time[-1] - result.time[0]
-        found.outcome = "slow"
         found.message = f"at {reached:.2e} s after {result.stats['steps']:.0f} steps"
     found.energy = energies(result)
     imbalance = balance(found.energy)

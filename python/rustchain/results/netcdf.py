@@ -95,8 +95,11 @@ def _dataset(content: bytes) -> xr.Dataset:
         msg = "it holds no result that matches its checksum"
         raise ValueError(msg)
     with h5py.File(io.BytesIO(content), "r") as file:
+        dims = _dims(file)
         names = [name for name in file if not _is_bare(file[name])]
-        variables = {name.removeprefix(_NO_COORDINATES): _variable(file[name]) for name in names}
+        variables = {
+            name.removeprefix(_NO_COORDINATES): _variable(file[name], dims) for name in names
+        }
         found = xr.Dataset(variables, attrs=_attributes(file))
     return xr.decode_cf(found, decode_times=False).load()
 
@@ -167,15 +170,41 @@ def add_variable(
 
 def _is_bare(dataset: Any) -> bool:  # noqa: ANN401
     """Return whether a dataset stands for a dimension without coordinates."""
-    return bool(dataset.is_scale and dataset.attrs["NAME"].startswith(_BARE.encode()))
+    return _is_scale(dataset) and dataset.attrs["NAME"].startswith(_BARE.encode())
 
 
-def _variable(dataset: Any) -> tuple[tuple[str, ...], npt.NDArray[Any], dict[str, Any]]:  # noqa: ANN401
+def _is_scale(dataset: Any) -> bool:  # noqa: ANN401
+    """Return whether a dataset is a dimension scale; h5py's `is_scale` can end the process.
+
+    HDF5 2.0 frees the same memory twice where the attribute is damaged.
+    """
+    return bool(dataset.attrs.get("CLASS", b"") == b"DIMENSION_SCALE")
+
+
+def _dims(file: Any) -> dict[tuple[str, int], str]:  # noqa: ANN401
+    """Return the dimension of each axis of the variables, by the variable's name.
+
+    They are read from the scales. The lists of the variables have a length of any size where they
+    are damaged, and HDF5 2.0 takes as much memory.
+    """
+    found = {}
+    for name in file:
+        for place, axis in file[name].attrs.get("REFERENCE_LIST", ()):
+            found[file[place].name, int(axis)] = _last(name)
+    return found
+
+
+def _variable(
+    dataset: Any,  # noqa: ANN401
+    dims: Mapping[tuple[str, int], str],
+) -> tuple[tuple[str, ...], npt.NDArray[Any], dict[str, Any]]:
     """Return dimensions, values and attributes of a variable."""
-    scales = [dataset] if dataset.is_scale else [dim[0] for dim in dataset.dims]
+    name = dataset.name
+    scale = _is_scale(dataset)
+    of = (_last(name),) if scale else tuple(dims[name, axis] for axis in range(dataset.ndim))
     is_text = dataset.dtype.kind == "O"
     values = np.asarray(dataset.asstr()[...], str) if is_text else np.asarray(dataset[...])
-    return tuple(_last(scale.name) for scale in scales), values, _attributes(dataset)
+    return of, values, _attributes(dataset)
 
 
 def _attributes(place: Any) -> dict[str, Any]:  # noqa: ANN401
