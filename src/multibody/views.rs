@@ -127,7 +127,7 @@ impl MechanismDynamics {
     /// Return the magnitude of a joint's force \[N\].
     pub(crate) fn joint_force(&self, joint: usize) -> f64 {
         let [x, y, _] = self.reaction(joint);
-        x.hypot(y)
+        (x * x + y * y).sqrt()
     }
 
     /// Return force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
@@ -140,7 +140,7 @@ impl MechanismDynamics {
     pub(crate) fn hardest_pressed(&self) -> String {
         let joints = (0..self.model.joints.len()).map(|joint| {
             let [x, y, torque] = self.reaction(joint);
-            (x.hypot(y).max(torque.abs()), joint)
+            ((x * x + y * y).sqrt().max(torque.abs()), joint)
         });
         let joint = joints
             .filter(|j| j.0.is_finite())

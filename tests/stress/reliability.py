@@ -219,7 +219,8 @@ def row_of_fuzz(seconds: float) -> Row:
     from fuzz import TARGETS
 
     failures = tried = 0
-    for target in TARGETS:
+    # `result` gives mutated files a right checksum, which damage has not. HDF5 survives most.
+    for target in [name for name in TARGETS if name != "result"]:
         with tempfile.TemporaryDirectory() as folder:
             command = [sys.executable, str(ROOT / "tests" / "stress" / "fuzz.py"), target]
             command += ["--seconds", str(seconds), "--folder", folder]

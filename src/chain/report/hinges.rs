@@ -83,7 +83,8 @@ impl HingeContacts {
         });
         if model.hinges.film.is_some() {
             self.lubricated_force.clear();
-            let sizes = pairs(&self.on_front).map(|[x, y]| x.hypot(y));
+            // Not by `hypot`, here and below: C libraries round it differently.
+            let sizes = pairs(&self.on_front).map(|[x, y]| (x * x + y * y).sqrt());
             self.lubricated_force.extend(sizes);
         }
     }
@@ -102,13 +103,13 @@ impl HingeContacts {
     pub(crate) fn take_forces(&mut self, on_front: &[Vec<f64>; 2]) {
         self.on_front.clone_from(on_front);
         for (force, [x, y]) in self.force.iter_mut().zip(pairs(on_front)) {
-            *force = x.hypot(y);
+            *force = (x * x + y * y).sqrt();
         }
     }
 
     /// Return the distance of the two ends of every hinge \[m\].
     pub fn distances(&self) -> impl Iterator<Item = f64> {
-        pairs(&self.offset).map(|[x, y]| x.hypot(y))
+        pairs(&self.offset).map(|[x, y]| (x * x + y * y).sqrt())
     }
 
     /// Return the centre of the bushing of hinge `k` \[m\].

@@ -81,7 +81,10 @@ impl Kernels {
         forces: &'a [f64],
     ) -> impl Iterator<Item = f64> + use<'a> {
         (0..model.links).map(move |k| match &self.ideal {
-            Some(ideal) => ideal.force[0][k].hypot(ideal.force[1][k]),
+            Some(ideal) => {
+                let [x, y] = [ideal.force[0][k], ideal.force[1][k]];
+                (x * x + y * y).sqrt()
+            }
             None => forces[k],
         })
     }

@@ -74,7 +74,7 @@ impl Pin {
     pub(crate) fn torque(&self, frames: &[Frame], multipliers: &[f64]) -> PinTorque {
         let [x, y] = [multipliers[self.row], multipliers[self.row + 1]];
         // τ = -μ r |λ| h(r ω); the two multipliers of a revolute joint are the components of its reaction.
-        let force = x.hypot(y);
+        let force = (x * x + y * y).sqrt();
         let (share, slope) = self.law.share(self.radius * self.spin(frames));
         let arm = self.law.coefficient * self.radius;
         let by_force = -arm * share;
