@@ -62,8 +62,8 @@ def validate(description: Description) -> None:
 def instruction_set() -> Literal["avx512", "avx2", "neon", "plain"]:
     """Return the instructions that the kernels run with on this machine.
 
-    "avx512", "avx2" and "neon" give the same bits as each other. "plain", without fused
-    multiply-add, differs by rounding.
+    "avx512", "avx2" and "neon" give the same bits as each other with the same C library. "plain",
+    without fused multiply-add, differs by rounding.
     """
 
 def layout(drive: ChainDrive) -> dict[str, Any]:

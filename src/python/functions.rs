@@ -13,7 +13,7 @@ use crate::math::simd::InstructionSet;
 
 /// Return the instruction set of the kernels on this machine: "avx512", "avx2", "neon" or "plain".
 ///
-/// "avx512", "avx2" and "neon" give the same bits; "plain", without fused multiply-add, differs by rounding.
+/// "avx512", "avx2" and "neon" give the same bits with the same C library; "plain", without fused multiply-add, differs by rounding.
 #[pyfunction]
 pub(super) fn instruction_set() -> &'static str {
     InstructionSet::detect().name()

@@ -25,8 +25,6 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     crate::panics::keep_places();
-    // The first use of NumPy imports its interface. In a run an interrupt there would be a panic.
-    numpy::dtype::<f64>(module.py());
     module.add_class::<core::Core>()?;
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;

@@ -3,7 +3,7 @@
 Needs atheris (``pip install atheris``), which follows the branches of Python, not those of compiled
 code. Each target mutates files of its own. Checksums are corrected after the mutation, so that the
 readers behind them are reached. A file is read, or refused by `RustchainError` or `OSError`. Any
-other exception is a defect, as are hangs, crashes and a process of more than 2 GB. Inputs of
+other exception is a defect, as are hangs, crashes and a process of more than 6 GB. Inputs of
 defects are kept, and the exit status is then 1. Small inputs of different outcomes are in
 tests/data/fuzz, and tests/python/files/test_fuzz_corpus.py reads them.
 """

@@ -91,7 +91,7 @@ OF_PYTEST: tuple[tuple[str, tuple[str, ...], str], ...] = (
         "not damaged and not refused",
     ),
     (
-        "damaged, truncated and hostile files are refused, or read as written",
+        "damaged and truncated files are refused, or read as written",
         (
             "files/test_damaged_files.py",
             "simulation/test_state.py",

@@ -122,8 +122,8 @@ class Present(OfScene):
         """Go on from `state`, to the same bits as the simulation that gave it.
 
         Counts (steps, evaluations, onsets) go on from those of the state, wall times from those of
-        this simulation. The bits are the same on machines whose `rustchain.instruction_set` is
-        "avx512", "avx2" or "neon", and on all with "plain".
+        this simulation. The bits are the same where `rustchain.instruction_set` is. They are the
+        same, too, with "avx2", "avx512" and "neon" and the same C library.
 
         Parameters
         ----------

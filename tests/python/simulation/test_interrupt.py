@@ -71,20 +71,6 @@ def child(script, *arguments, **keywords):
     )
 
 
-def test_no_call_imports_the_interface_of_numpy():
-    """An interrupt of that import was a panic of the compiled module."""
-    script = """
-import numpy as np
-class Late:
-    def __init__(self, version):
-        raise KeyboardInterrupt
-np.lib.NumpyVersion = Late
-print(rc.Simulation(rc.paper_drive()).positions.shape)
-"""
-    found = child(script)
-    assert found.stdout == "(40, 3)\n", found.stderr
-
-
 def test_an_interrupted_run_keeps_its_rows_and_can_go_on():
     done = child(
         f"""
