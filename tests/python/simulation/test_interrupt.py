@@ -518,6 +518,8 @@ class Streamed(Stepped):
         if begin < END:
             keywords = {"out": self.path, "memory": "20 MB", "progress": False}
             result = self.simulation.run(END - begin, 1e-4, **keywords)
+            if not len(result.time):  # interrupted before its first row
+                raise KeyboardInterrupt
             rows = rc.load_result(self.path)
             assert rows.status == result.status
             assert np.array_equal(rows.time, result.time)
