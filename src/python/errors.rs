@@ -1,5 +1,6 @@
 //! Conversion of this crate's errors to the exceptions of `rustchain.errors`.
 
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::import_exception;
 use pyo3::prelude::*;
 
@@ -25,6 +26,12 @@ impl From<Error> for PyErr {
 
 /// Return the exception of `error`.
 fn to_python(py: Python<'_>, error: &Error) -> PyErr {
+    // At its first use the numpy crate imports NumPy's interface. An interrupt there is a panic, whose message names its exception.
+    if let Error::Panicked { message, .. } = error
+        && message.contains("<class 'KeyboardInterrupt'>")
+    {
+        return PyKeyboardInterrupt::new_err(());
+    }
     let (time, step_size, contact) = match error {
         Error::InvalidValue { .. } | Error::Impossible(_) => {
             return InvalidInput::new_err(error.to_string());

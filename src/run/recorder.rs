@@ -3,7 +3,7 @@
 mod balance;
 
 use crate::integrator::Adams;
-use crate::system::{Channel, Peaks, PowerSum, Recording, Row, System};
+use crate::system::{Channel, Energy, Peaks, PowerSum, Recording, Row, System};
 use balance::{Balance, EnergyAtStart, Passed};
 
 pub(crate) use balance::OpenBalance;
@@ -41,6 +41,9 @@ pub(crate) struct Recorder<S: System> {
     /// Energies at the first report.
     energy_at_start: Option<EnergyAtStart<S::Powers>>,
     balance: Balance,
+    /// Energies at the ends of steps since the last report, which the next one includes; that of the last step, and its time \[s\].
+    since_report: Balance,
+    step_end: Option<(f64, Energy)>,
     recording: Recording,
     /// Peaks of each kind of contact or joint.
     peaks: Vec<Peaks>,
@@ -77,6 +80,8 @@ impl<S: System> Recorder<S> {
             last: None,
             energy_at_start: None,
             balance: Balance::default(),
+            since_report: Balance::default(),
+            step_end: None,
             recording: Recording {
                 time: Vec::new(),
                 channels,
@@ -139,12 +144,13 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// Include the energies at the end of a step in the balance.
-    pub(crate) fn include_step_energy(&mut self, system: &S) {
+    /// Include the energies at the end of a step, at `t`, in the balance at the next report from then on.
+    pub(crate) fn include_step_energy(&mut self, t: f64, system: &S) {
         if S::records_energy(self.groups)
             && let Some(energy) = system.energy_at_step_end()
+            && let Some((_, before)) = self.step_end.replace((t, energy))
         {
-            self.balance.include(energy);
+            self.since_report.include(before);
         }
     }
 
@@ -197,6 +203,11 @@ impl<S: System> Recorder<S> {
                 external_work,
                 residual,
             };
+            // Only the last step may end behind this report.
+            self.balance.merge(&std::mem::take(&mut self.since_report));
+            if let Some((_, energy)) = self.step_end.take_if(|(end, _)| *end <= t) {
+                self.balance.include(energy);
+            }
             self.balance.report(t, energy, passed);
         }
         // The time is written last: a row cut short by a panic does not count.

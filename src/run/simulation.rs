@@ -279,11 +279,8 @@ impl<S: System> Simulation<S> {
         });
         let stepped = timed.then(Instant::now);
         let finished = step.and_then(|step| {
-            // The last step ends behind the last report: its energy is in no row.
-            if let Some(recorder) = &mut self.recorder
-                && step.end <= recorder.end()
-            {
-                recorder.include_step_energy(&self.system);
+            if let Some(recorder) = &mut self.recorder {
+                recorder.include_step_energy(step.end, &self.system);
             }
             self.system
                 .finish_step(&mut self.adams, &step)

@@ -86,6 +86,16 @@ impl Balance {
         self.all = self.all.max(stored + energy.gravity.abs());
     }
 
+    /// Include the energies of `other`, which has no report.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for ([least, most], with) in self.exchanged.iter_mut().zip(other.exchanged) {
+            *least = least.min(with[0]);
+            *most = most.max(with[1]);
+        }
+        self.stored = self.stored.max(other.stored);
+        self.all = self.all.max(other.all);
+    }
+
     /// Include a report at `t`.
     pub(crate) fn report(&mut self, t: f64, energy: Energy, passed: Passed) {
         self.include(energy);

@@ -69,8 +69,8 @@ def test_pins_stay_in_the_middle_of_their_bushings(result):
         assert hinge.penetration.max() < SOLVER.accuracy
         sizes = np.hypot(*hinge.eccentricity.T)
         np.testing.assert_allclose(hinge.penetration, sizes, rtol=1e-9, atol=0.0)
-        sizes = np.hypot(*hinge.force_vector.T)
-        np.testing.assert_allclose(hinge.force, sizes, rtol=1e-15, atol=0.0)
+        x, y = hinge.force_vector.T
+        np.testing.assert_array_equal(hinge.force, np.sqrt(x * x + y * y))
 
 
 @pytest.mark.parametrize("solver", [rc.Solver(), dataclasses.replace(SOLVER, method="pece")])

@@ -71,6 +71,26 @@ def child(script, *arguments, **keywords):
     )
 
 
+def test_an_interrupt_at_the_first_use_of_numpy_is_one_and_the_next_call_goes_on():
+    """The compiled module imports NumPy's interface there, in Python."""
+    script = """
+import numpy as np
+Version = np.lib.NumpyVersion
+class Interrupted:
+    def __init__(self, version):
+        np.lib.NumpyVersion = Version
+        raise KeyboardInterrupt
+np.lib.NumpyVersion = Interrupted
+try:
+    rc.Simulation(rc.paper_drive()).positions
+except KeyboardInterrupt:
+    print("interrupted")
+print(rc.Simulation(rc.paper_drive()).positions.shape)
+"""
+    found = child(script)
+    assert found.stdout == "interrupted\n(40, 3)\n", found.stderr
+
+
 def test_an_interrupted_run_keeps_its_rows_and_can_go_on():
     done = child(
         f"""
@@ -518,7 +538,10 @@ class Streamed(Stepped):
         if begin < END:
             keywords = {"out": self.path, "memory": "20 MB", "progress": False}
             result = self.simulation.run(END - begin, 1e-4, **keywords)
-            if not len(result.time):  # interrupted before its first row
+            if not len(result.time):
+                assert result.status == "interrupted"
+                with pytest.raises(rc.InvalidInput, match="no row has been written yet"):
+                    rc.load_result(self.path)
                 raise KeyboardInterrupt
             rows = rc.load_result(self.path)
             assert rows.status == result.status
