@@ -232,8 +232,8 @@ def test_what_a_contact_dissipates_while_it_lets_go_stays_dissipated(law):
     assert np.diff(energy.dissipated).min() > -1e-5 * loss
 
 
-@pytest.mark.parametrize("stopped", [False, True])
-def test_the_balance_of_a_run_is_held_against_no_energy_behind_its_end(stopped):
+@pytest.mark.parametrize("duration", [0.003, 0.1])
+def test_the_balance_of_a_run_is_held_against_no_energy_behind_its_end(duration):
     """The last step ends behind it, where the growing torque has done several times the work."""
     m = rc.Mechanism(gravity=(0.0, 0.0))
     m.add_body("rod", 2.4, 0.045, position=(0.24, 0.0, 0.0))
@@ -243,12 +243,10 @@ def test_the_balance_of_a_run_is_held_against_no_energy_behind_its_end(stopped):
     m.add_torque("torque", "end", [[0.0, 0.0], [0.06, 0.3]])
     solver = rc.Solver(method="pece", rtol=1e-8, atol=1e-8, max_step=0.01)
     simulation = rc.Simulation(m, solver=solver)
-    keywords = {"report_step": 6e-5, "progress": False}
     with pytest.warns(rc.EnergyWarning):
-        if stopped:
-            result = simulation.run(0.1, callback=lambda run: run.time > 0.00295, **keywords)
-        else:
-            result = simulation.run(0.003, **keywords)
+        result = simulation.run(
+            duration, 6e-5, callback=lambda run: run.time > 0.00295, progress=False
+        )
     energy = result.energy
     # Without losses 5e-4 of the energy exchanged may be missing. Measured: 3.7 times that.
     assert np.abs(energy.residual).max() > 5e-4 * np.ptp(energy.kinetic)
