@@ -21,14 +21,14 @@ use interpolation::{Interpolation, Predicted, is_below};
 /// In smooth steps the estimate is that of one panel or of a parabola, which errs more than the sum that is added. At an onset the error can be
 /// several times its estimate. Errors of steps cancel in part. On the published drive their sum is a tenth of the residual or less at the
 /// default accuracy (decision 22).
-const ACCEPTED_ERROR: f64 = 5e-3;
+const ACCEPTED_ERROR: f64 = 1e-2;
 
-/// Share of the external power that counts as much as dissipated power, for scenes that lose little of it: an error of 2e-5 of the external
+/// Share of the external power that counts as much as dissipated power, for scenes that lose little of it: an error of 4e-5 of the external
 /// power is accepted.
 const EXTERNAL_SHARE: f64 = 4e-3;
 
-/// Accepted error of the dissipated power where it is predicted in the middle of a step, over the accepted one of Simpson's rule. Errors of such
-/// predictions have one sign where steps are long beside the relaxation of contacts (decision 22).
+/// Accepted error of powers that are predicted in the middle of a step, over the accepted one of Simpson's rule. Errors of such predictions have
+/// one sign where steps are long beside the relaxation of contacts (decision 22).
 const PREDICTED_SHARE: f64 = 0.25;
 
 /// Largest number of panels of a step. A kink leaves an error that falls only with the square of their length.
@@ -151,28 +151,25 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         };
         let last_start = (self.start < self.end).then(|| (self.start, self.powers[0]));
         let before = in_parts_of(step, last_start.as_ref());
-        let other = in_parts_of(step, self.interpolation.other.as_ref());
         let scale = decisive(&at_start).max(decisive(&at_end)).max(mean_power);
-        let near = interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
-        let near = [PREDICTED_SHARE * near, near];
-        let predicted = match (other, before) {
-            (Some(other), Some(before)) if self.fineness == 0 => {
-                Predicted::new(other, before, [&at_start, &at_end], near)
+        let near = PREDICTED_SHARE * interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
+        let predicted = match self.interpolation.places(step) {
+            Some(before) if self.fineness == 0 => {
+                Predicted::new(before, [&at_start, &at_end], near)
             }
             _ => Predicted::default(),
         };
         let wanted = self.interpolation.wanted(&predicted);
+        self.interpolation.remember(step.start, at_start);
         let middle = wanted.map_or(predicted.powers, |wanted| {
             let evaluated = powers_at(wanted, 0.5);
             let error = difference(&evaluated, &predicted.powers);
             self.interpolation.test(&predicted, wanted, error, near);
             wanted.complete(evaluated, predicted.powers)
         });
-        self.interpolation.other = if wanted == Some(Wanted::All) {
-            Some((step.start + 0.5 * length, middle))
-        } else {
-            last_start
-        };
+        if wanted == Some(Wanted::All) {
+            (self.interpolation).remember(step.start + 0.5 * length, middle);
+        }
         let simpson = [at_start, middle, at_end];
         let accepted = || ACCEPTED_ERROR * scale.max(decisive(&middle));
         // There are always three or more.

@@ -93,7 +93,7 @@ fn a_power_that_begins_within_a_step_takes_more_panels() {
         }
     }
     // At a kink the error falls by less than a sixteenth when panels are halved: a few times the accepted one is left.
-    assert!(largest[0] < 8e-3, "{largest:?}");
+    assert!(largest[0] < 2.5e-2, "{largest:?}");
     assert!(largest[1] > 0.1, "{largest:?}");
 }
 
@@ -160,20 +160,20 @@ fn a_smooth_external_power_does_not_save_evaluations_of_a_dissipated_one_that_is
 
 #[test]
 fn a_step_after_an_evaluated_middle_is_predicted_from_it() {
-    // A power of degree three that begins at 0. Powers before that would spoil the prediction in the step from 2 to 4.
+    // A power of degree three that begins at 0. Powers before that would spoil the prediction in the step from 4 to 6.
     let power = |t: f64| if t < 0.0 { 0.0 } else { 1e4 + t.powi(3) };
     let mut quadrature = EnergyQuadrature::new();
     quadrature.begin(-2.0, Both(power(-2.0), 1.0));
-    for start in [-2.0, 0.0, 2.0, 4.0] {
+    for start in [-2.0, 0.0, 2.0, 4.0, 6.0] {
         let (end, order) = (start + 2.0, 1);
         let before = quadrature.evaluations();
         let step = Step { start, end, order };
         quadrature.add_step(&step, Both(power(end), 1.0), |_, _, t| Both(power(t), 1.0));
-        // The step from 2 to 4 is the test that permits this.
-        assert_eq!(quadrature.evaluations() == before, start == 4.0, "{start}");
+        // The step from 4 to 6 is the test that permits this.
+        assert_eq!(quadrature.evaluations() == before, start == 6.0, "{start}");
     }
-    let exact = 2e4 + (6f64.powi(4) - 4f64.powi(4)) / 4.0;
-    assert!((quadrature.energies(6.0).0 - quadrature.energies(4.0).0 - exact).abs() < 1e-9);
+    let exact = 2e4 + (8f64.powi(4) - 6f64.powi(4)) / 4.0;
+    assert!((quadrature.energies(8.0).0 - quadrature.energies(6.0).0 - exact).abs() < 1e-9);
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn a_step_has_four_panels_at_most_and_two_where_their_error_is_accepted() {
     // One and two panels differ by 0.2 of the largest power times the length.
     assert_eq!(evaluations(|t| if t < 1.3 { 0.0 } else { 1.0 }), 7);
     // The mean of t^6 from 0 to 2 is 9.14; one panel gives 11.33 and two give 9.30. A fifteenth of the difference is 0.2 % of the largest
-    // power, and the whole difference 3.2 %; 0.5 % is accepted.
+    // power, and the whole difference 3.2 %; 1 % is accepted.
     assert_eq!(evaluations(|t| t.powi(6)), 3);
 }
 
@@ -199,32 +199,22 @@ fn behind_the_last_step_the_sum_grows_with_its_last_power() {
 
 #[test]
 fn powers_are_interpolated_where_dissipated_and_external_ones_are_smooth() {
-    let nodes = |dissipated: f64, external: f64| {
-        [-2.5, -0.7, 0.0, 1.0].map(|place: f64| {
-            let rough = place.powi(3);
-            (
-                place,
-                Both(1.0 + dissipated * rough, 1.0 + external * rough),
-            )
-        })
-    };
     let predicted = |dissipated: f64, external: f64, accepted: f64| {
-        let nodes = nodes(dissipated, external);
-        let [earlier, before, start, end] =
-            nodes.each_ref().map(|(place, powers)| (*place, powers));
-        let ends = [start.1, end.1];
-        let found = Predicted::new(earlier, before, ends, [accepted; 2]);
-        let exchanged = Predicted::new(before, earlier, ends, [accepted; 2]);
-        assert_eq!(found.powers, exchanged.powers);
-        found
+        let [earliest, earlier, latest, start, end] = [-2.5, -0.7, -0.5, 0.0, 1.0].map(|place| {
+            let rough = f64::powi(place, 4);
+            let powers = Both(1.0 + dissipated * rough, 1.0 + external * rough);
+            (place, powers)
+        });
+        let before = [&earliest, &earlier, &latest].map(|(place, powers)| (*place, powers));
+        Predicted::new(before, [&start.1, &end.1], accepted)
     };
-    // Cubic and parabola differ by a quarter of the third divided difference times 1.2: 0.3 here.
+    // Quartic and cubic differ by the fourth divided difference, one, times 1.2 times 1.0 times a quarter: 0.3 here.
     assert_eq!(predicted(1.0, 1.0, 0.301).is_accurate, [true; 2]);
     assert_eq!(predicted(1.0, 1.0, 0.299).is_accurate, [false; 2]);
     assert_eq!(predicted(0.0, 1.0, 0.299).is_accurate, [true, false]);
     assert_eq!(predicted(1.0, 0.0, 0.299).is_accurate, [false, true]);
     let found = predicted(1.0, -2.0, 1.0).powers;
-    assert!((found.0 - 1.125).abs() < 1e-14 && (found.1 - 0.75).abs() < 1e-14);
+    assert!((found.0 - 1.0625).abs() < 1e-14 && (found.1 - 0.875).abs() < 1e-14);
 }
 
 #[test]
@@ -324,15 +314,15 @@ fn each_passed_test_permits_twice_as_many_interpolated_steps_up_to_63() {
     };
     assert_eq!(interpolation.wanted(&predicted), Some(Wanted::All));
     for expected in [1, 3, 7, 15, 31, 63, 63] {
-        interpolation.test(&predicted, Wanted::All, [0.5, -1.0], [1.0; 2]);
+        interpolation.test(&predicted, Wanted::All, [0.5, -1.0], 1.0);
         let free = (0..80).filter(|_| interpolation.wanted(&predicted).is_none());
         assert_eq!(free.count(), expected);
     }
-    interpolation.test(&predicted, Wanted::All, [0.0, 1.1], [1.0; 2]);
+    interpolation.test(&predicted, Wanted::All, [0.0, 1.1], 1.0);
     assert_eq!(interpolation.wanted(&predicted), Some(Wanted::External));
     // An evaluation of the external power alone is no test of the dissipated one, whose 63 steps go on.
-    interpolation.test(&predicted, Wanted::External, [9.0, 0.9], [1.0; 2]);
+    interpolation.test(&predicted, Wanted::External, [9.0, 0.9], 1.0);
     assert_eq!(interpolation.wanted(&predicted), None);
-    interpolation.test(&predicted, Wanted::All, [1.1, 0.0], [1.0; 2]);
+    interpolation.test(&predicted, Wanted::All, [1.1, 0.0], 1.0);
     assert_eq!(interpolation.wanted(&predicted), Some(Wanted::All));
 }
