@@ -21,15 +21,15 @@ use interpolation::{Interpolation, Predicted, is_below};
 /// In smooth steps the estimate is that of one panel or of a parabola, which errs more than the sum that is added. At an onset the error can be
 /// several times its estimate. Errors of steps cancel in part. On the published drive their sum is a tenth of the residual or less at the
 /// default accuracy (decision 22).
-const ACCEPTED_ERROR: f64 = 1e-2;
+const ACCEPTED_ERROR: f64 = 5e-3;
 
-/// Share of the external power that counts as much as dissipated power, for scenes that lose little of it: an error of 4e-5 of the external
+/// Share of the external power that counts as much as dissipated power, for scenes that lose little of it: an error of 2e-5 of the external
 /// power is accepted.
 const EXTERNAL_SHARE: f64 = 4e-3;
 
 /// Accepted error of powers that are predicted in the middle of a step, over the accepted one of Simpson's rule. Errors of such predictions have
 /// one sign where steps are long beside the relaxation of contacts (decision 22).
-const PREDICTED_SHARE: f64 = 0.25;
+const PREDICTED_SHARE: f64 = 0.4;
 
 /// Largest number of panels of a step. A kink leaves an error that falls only with the square of their length.
 const MOST_PANELS: usize = 4;

@@ -93,7 +93,7 @@ fn a_power_that_begins_within_a_step_takes_more_panels() {
         }
     }
     // At a kink the error falls by less than a sixteenth when panels are halved: a few times the accepted one is left.
-    assert!(largest[0] < 2.5e-2, "{largest:?}");
+    assert!(largest[0] < 8e-3, "{largest:?}");
     assert!(largest[1] > 0.1, "{largest:?}");
 }
 
@@ -186,7 +186,7 @@ fn a_step_has_four_panels_at_most_and_two_where_their_error_is_accepted() {
     // One and two panels differ by 0.2 of the largest power times the length.
     assert_eq!(evaluations(|t| if t < 1.3 { 0.0 } else { 1.0 }), 7);
     // The mean of t^6 from 0 to 2 is 9.14; one panel gives 11.33 and two give 9.30. A fifteenth of the difference is 0.2 % of the largest
-    // power, and the whole difference 3.2 %; 1 % is accepted.
+    // power, and the whole difference 3.2 %; 0.5 % is accepted.
     assert_eq!(evaluations(|t| t.powi(6)), 3);
 }
 
