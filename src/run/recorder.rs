@@ -2,7 +2,7 @@
 
 mod balance;
 
-use crate::integrator::Adams;
+use crate::integrator::{Adams, Step};
 use crate::system::{Channel, Energy, Peaks, PowerSum, Recording, Row, System};
 use balance::{Balance, EnergyAtStart, Passed};
 
@@ -144,11 +144,14 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// Include the energies at the end of a step, at `t`, in the balance at the next report from then on.
-    pub(crate) fn include_step_energy(&mut self, t: f64, system: &S) {
+    /// Include the energies at the end of `step` in the balance at the next report from then on.
+    ///
+    /// The step before does not count where this one begins before its end: an input changed there, or the step failed afterwards.
+    pub(crate) fn include_step_energy(&mut self, step: &Step, system: &S) {
         if S::records_energy(self.groups)
             && let Some(energy) = system.energy_at_step_end()
-            && let Some((_, before)) = self.step_end.replace((t, energy))
+            && let Some((end, before)) = self.step_end.replace((step.end, energy))
+            && end <= step.start
         {
             self.since_report.include(before);
         }

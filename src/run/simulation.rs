@@ -280,7 +280,7 @@ impl<S: System> Simulation<S> {
         let stepped = timed.then(Instant::now);
         let finished = step.and_then(|step| {
             if let Some(recorder) = &mut self.recorder {
-                recorder.include_step_energy(step.end, &self.system);
+                recorder.include_step_energy(&step, &self.system);
             }
             self.system
                 .finish_step(&mut self.adams, &step)

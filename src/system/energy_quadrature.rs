@@ -29,7 +29,7 @@ const EXTERNAL_SHARE: f64 = 4e-3;
 
 /// Accepted error of powers that are predicted in the middle of a step, over the accepted one of Simpson's rule. Errors of such predictions have
 /// one sign where steps are long beside the relaxation of contacts (decision 22).
-const PREDICTED_SHARE: f64 = 0.4;
+const PREDICTED_SHARE: f64 = 0.25;
 
 /// Largest number of panels of a step. A kink leaves an error that falls only with the square of their length.
 const MOST_PANELS: usize = 4;
@@ -114,7 +114,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             && self.start <= self.end
     }
 
-    /// Copy `other` without allocation.
+    /// Copy `other`, and keep the room of the powers.
     pub(crate) fn carry_on(&mut self, other: &Self) {
         let mut powers = std::mem::take(&mut self.powers);
         powers.clear();
@@ -150,7 +150,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             powers_at(wanted, part, step.start + part * length)
         };
         let last_start = (self.start < self.end).then(|| (self.start, self.powers[0]));
-        let before = in_parts_of(step, last_start.as_ref());
+        let before = last_start.as_ref().map(|node| in_parts_of(step, node));
         let scale = decisive(&at_start).max(decisive(&at_end)).max(mean_power);
         let near = PREDICTED_SHARE * interpolation::ERROR_IN_THE_MIDDLE * ACCEPTED_ERROR * scale;
         let predicted = match self.interpolation.places(step) {
@@ -168,7 +168,8 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             wanted.complete(evaluated, predicted.powers)
         });
         if wanted == Some(Wanted::All) {
-            (self.interpolation).remember(step.start + 0.5 * length, middle);
+            let center = step.start + 0.5 * length;
+            self.interpolation.remember(center, middle);
         }
         let simpson = [at_start, middle, at_end];
         let accepted = || ACCEPTED_ERROR * scale.max(decisive(&middle));
@@ -246,8 +247,8 @@ impl<P: PowerSum> EnergyQuadrature<P> {
 }
 
 /// Return powers before a step, with their place in parts of it.
-fn in_parts_of<'a, P>(step: &Step, node: Option<&'a (f64, P)>) -> Option<(f64, &'a P)> {
-    node.map(|(t, powers)| ((t - step.start) / (step.end - step.start), powers))
+fn in_parts_of<'a, P>(step: &Step, (t, powers): &'a (f64, P)) -> (f64, &'a P) {
+    ((t - step.start) / (step.end - step.start), powers)
 }
 
 /// Return the power that errors are compared with \[W\].

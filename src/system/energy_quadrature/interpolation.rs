@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Wanted;
+use super::{Wanted, in_parts_of};
 use crate::integrator::Step;
 use crate::system::PowerSum;
 
@@ -76,8 +76,7 @@ impl<P: PowerSum> Interpolation<P> {
         let [Some(a), Some(b), Some(c)] = &self.before else {
             return None;
         };
-        let scale = 1.0 / (step.end - step.start);
-        Some([a, b, c].map(|(t, powers)| ((t - step.start) * scale, powers)))
+        Some([a, b, c].map(|node| in_parts_of(step, node)))
     }
 
     /// Take the powers at `t`, later than all others, in place of the earliest.

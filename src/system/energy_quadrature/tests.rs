@@ -177,6 +177,27 @@ fn a_step_after_an_evaluated_middle_is_predicted_from_it() {
 }
 
 #[test]
+fn powers_before_a_cut_predict_nothing() {
+    let power = |t: f64| 2.0 + (0.1 * t).sin();
+    let mut quadrature = metered_in(1000, 0, power);
+    // The next step begins within the last one, whose middle may be later, and with another power.
+    quadrature.cut(0.5);
+    let (before, late) = (quadrature.energies(0.5).0, |t: f64| 9.0 + (0.1 * t).cos());
+    quadrature.begin(0.5, Both(late(0.5), 1.0));
+    let evaluations = quadrature.evaluations();
+    for i in 0..4 {
+        let (start, order) = (0.5 + f64::from(i), 1);
+        let end = start + 1.0;
+        let step = Step { start, end, order };
+        quadrature.add_step(&step, Both(late(end), 1.0), |_, _, t| Both(late(t), 1.0));
+    }
+    let exact = 9.0 * 4.0 + 10.0 * (0.45f64.sin() - 0.05f64.sin());
+    assert!((quadrature.energies(4.5).0 - before - exact).abs() < 1e-4);
+    // Three evaluations in the first step, one in the second, and one in the third as a test. The fourth is predicted.
+    assert_eq!(quadrature.evaluations() - evaluations, 3 + 1 + 1);
+}
+
+#[test]
 fn a_step_has_four_panels_at_most_and_two_where_their_error_is_accepted() {
     let evaluations = |power: fn(f64) -> f64| {
         let first = metered_in(1, 0, power);
