@@ -19,8 +19,8 @@ use interpolation::{Interpolation, Predicted, is_below};
 /// With the power of the step alone, many evaluations are made in steps that contribute little (decision 22).
 ///
 /// In smooth steps the estimate is that of one panel or of a parabola, which errs more than the sum that is added. At an onset the error can be
-/// several times its estimate. Errors of steps cancel in part. On the published drive their sum is a tenth of the residual or less at the
-/// default accuracy (decision 22).
+/// several times its estimate. Errors of steps cancel in part. On the published drive, with pretensions up to 100 N, their sum is less than a
+/// tenth of the residual at the default accuracy (decision 22).
 const ACCEPTED_ERROR: f64 = 5e-3;
 
 /// Share of the external power that counts as much as dissipated power, for scenes that lose little of it: an error of 2e-5 of the external

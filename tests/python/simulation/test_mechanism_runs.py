@@ -258,7 +258,7 @@ def test_the_balance_of_a_run_is_held_against_no_energy_behind_its_end(duration,
         result = simulation.run(duration, 6e-5, callback=callback, progress=False)
     assert result.time[-1] == pytest.approx(0.003)
     energy = result.energy
-    # Without losses 5e-4 of the energy exchanged may be missing. Measured: 3.7 times that.
+    # Without losses 5e-4 of the energy exchanged may be missing. Measured: 3.7 to 4.0 times that.
     assert np.abs(energy.residual).max() > 5e-4 * np.ptp(energy.kinetic)
 
 
