@@ -204,6 +204,7 @@ if not TYPE_CHECKING:  # for checkers, other names are none
         if name == "__version__":  # reading it takes longer than the package's own modules
             from importlib.metadata import version
 
-            return version(DISTRIBUTION)
+            globals()[name] = value = version(DISTRIBUTION)
+            return value
         msg = f"module 'rustchain' has no attribute {name!r}; {suggest(name, __dir__())}"
         raise AttributeError(msg, name=name, obj=None)  # no second suggestion by Python
