@@ -163,11 +163,11 @@ fn a_quarter_of_the_accepted_error_is_that_of_predicted_powers() {
         }
         counts
     };
-    // The external power is compared with those at the ends of steps. So the limit is seen.
+    // Evaluations of the external power alone are not remembered: its prediction errs by the size of the vibration.
     assert_eq!(counts(0.0, 0.24), [24, 2]);
     let [all, external] = counts(0.0, 0.26);
     assert!(all == 24 && external > 900, "{all} {external}");
-    // Evaluated powers in middles take part in the estimate of the next ones.
+    // Whole evaluations are remembered. They enter the estimated error of the next steps, which exceeds the limit at a smaller size.
     assert_eq!(counts(0.05, 0.0), [24, 0]);
     assert!(counts(0.1, 0.0)[0] > 900);
 }
