@@ -219,13 +219,6 @@ impl Drive {
         if self.hinge_kind != HingeKind::Ideal {
             return Ok(());
         }
-        if self.ends.is_some() {
-            return Err(Error::invalid(
-                "ChainDrive.hinges",
-                "\"ideal\"",
-                "an open chain has clearance in its hinges: take hinges=\"clearance\"",
-            ));
-        }
         if let Some(stiffness) = self.chain.axial_stiffness() {
             return Err(Error::invalid(
                 "Chain.link_stiffness",

@@ -258,7 +258,7 @@ fn check_chain(drive: &Drive) -> Result<()> {
     }
     if drive.ends.is_some() {
         return refuse(
-            "ChainDrive.ends: an open chain cannot be a mechanism; it has clearance in its hinges",
+            "ChainDrive.ends: an open chain cannot be a mechanism; run the drive itself, which has ideal hinges, too",
         );
     }
     Ok(())

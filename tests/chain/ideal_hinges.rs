@@ -2,7 +2,9 @@
 
 use crate::common;
 use crate::common::checks::newton;
+use crate::common::open::hoist;
 use rustchain::ForceLaws;
+use rustchain::drive::SprocketMotion::PrescribedSpeed;
 use rustchain::drive::{Drive, HingeKind};
 use rustchain::force_law::{Friction, Regularization};
 use rustchain::integrator::{Corrector, StepControl};
@@ -17,9 +19,24 @@ const RUBBED: Friction = Friction {
     dead_speed: 0.0,
 };
 
+/// A closed chain, and an open one.
+fn drives() -> [Drive; 2] {
+    let tightened = Drive {
+        tensioner: Some(common::tensioner(100.0, 1e-3)),
+        ..common::paper_drive()
+    };
+    [tightened, hoist(40, 14, 3.0, PrescribedSpeed(4.0.into()))].map(|drive| Drive {
+        hinge_kind: HingeKind::Ideal,
+        ..drive
+    })
+}
+
 #[test]
 fn every_width_runs_through_the_same_bits() {
-    for tooth_friction in [None, Some(RUBBED)] {
+    for (drive, tooth_friction) in drives()
+        .iter()
+        .flat_map(|drive| [(drive, None), (drive, Some(RUBBED))])
+    {
         let laws = ForceLaws {
             tooth_friction,
             ..ForceLaws::default()
@@ -29,12 +46,7 @@ fn every_width_runs_through_the_same_bits() {
                 corrector,
                 ..StepControl::default()
             };
-            let drive = Drive {
-                hinge_kind: HingeKind::Ideal,
-                tensioner: Some(common::tensioner(100.0, 1e-3)),
-                ..common::paper_drive()
-            };
-            let simulation = common::simulation(&drive, &laws, control);
+            let simulation = common::simulation(drive, &laws, control);
             let mut first: Option<Vec<f64>> = None;
             let sets = InstructionSet::available().into_iter();
             for set in sets.filter(|set| set.has_fused_multiply_add()) {

@@ -366,7 +366,7 @@ impl Reference {
         }
         // Ends of an open chain move as they are told.
         for end in model.ends.iter().flat_map(|ends| &ends.bodies) {
-            if let Some(given) = end.given_acceleration(t) {
+            if let Some(given) = end.given_acceleration(t, f64::INFINITY) {
                 (x[end.body], y[end.body], angle[end.body]) = (given.x, given.y, 0.0);
             }
         }

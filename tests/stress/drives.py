@@ -137,7 +137,10 @@ def paper(draw: Draw) -> rc.ChainDrive:
 
 
 def ideal_hinges(draw: Draw) -> rc.ChainDrive:
-    """Return a drive of two sprockets with ideal hinges."""
+    """Return a drive of two sprockets, or an open chain, with ideal hinges."""
+    if draw.chance(0.3, "open ideal"):
+        drive = open_chain(draw)
+        return replace(drive, chain=replace(drive.chain, link_stiffness=None), hinges="ideal")
     return two_sprockets(draw, "ideal")
 
 

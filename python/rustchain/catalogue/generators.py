@@ -137,6 +137,7 @@ def open_chain(
     rollers: Rollers = "fixed",
     plates: Stretch = "rigid",
     tensioner: Tensioner | None = None,
+    hinges: Hinges = "clearance",
 ) -> ChainDrive:
     """Return an open chain that hangs between two ends, or runs from one to the other.
 
@@ -152,7 +153,7 @@ def open_chain(
         is an inner one. For fewer links, describe bodies of a `Mechanism`.
     sprockets : sequence of Sprocket
         Sprockets in their order from the first end to the second; by default none.
-    gravity, name, guides, tensioner
+    gravity, name, guides, tensioner, hinges
         See `ChainDrive`.
     rollers : {"fixed", "bodies"}
         For a chain given by its name; see `catalogue_chain`.
@@ -171,7 +172,7 @@ def open_chain(
         check_rollers(chain, rollers)
         check_plates(chain, plates)
     chain = replace(chain, links=links)
-    return ChainDrive(chain, sprockets, tensioner, gravity, name, guides=guides, ends=ends)
+    return ChainDrive(chain, sprockets, tensioner, gravity, name, hinges, guides, ends)
 
 
 def _number(adjust: object, sprockets: int) -> int:

@@ -84,8 +84,8 @@ class ChainDrive(Description, HtmlView):
     name : str
         Name for reports and figures.
     hinges : {"clearance", "ideal"}
-        Pins with clearance in their bushings, or joints without clearance. Joints need a closed
-        chain of rigid links, and have neither friction nor film.
+        Pins with clearance in their bushings, or joints without clearance. Joints need rigid links,
+        and have neither friction nor film.
     guides : sequence of GuideRail and SmoothIdler
         Rails, blades and smooth idlers. The initial configuration is generated without them: they
         begin beside the chain, and blades are swung back on their arms.

@@ -145,11 +145,7 @@ impl ChainArrays {
 
     /// Set the distances of open hinges of an open chain to zero: event screening then finds no events there.
     pub(crate) fn forget_open_hinges(&mut self, ends: &OpenEnds) {
-        let hinges = ends.bodies.iter().map(|end| end.hinge);
-        for k in hinges
-            .chain([ends.links])
-            .filter(|&k| ends.hinge_is_open(k))
-        {
+        for k in ends.open_hinges() {
             (self.distance_squared[k], self.along[k]) = (0.0, 0.0);
         }
     }

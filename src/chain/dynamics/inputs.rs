@@ -84,8 +84,8 @@ impl Dynamics {
 
     /// Restart the integrator at a row of an end's velocity table, where the acceleration of an anchored end is discontinuous.
     ///
-    /// The end is set to its prescribed position and velocity. Between two rows its path is exact; without the correction, the error of the
-    /// step that ends at the row would remain as a constant velocity error. A row belongs to the step that ends at it or just before it. A
+    /// The end is set to its prescribed position and velocity. Between two rows its path is exact; without the correction, the error of a
+    /// step that ends just before the row would remain as a constant velocity error. A row belongs to the step that ends at it or just before it. A
     /// step that ends behind a row has passed it, however short the step is.
     pub(super) fn restart_at_kink_of_end(&mut self, adams: &mut Adams) {
         // Before the clone: its counter is atomic, and waits for all stores of the step before.
@@ -111,6 +111,7 @@ impl Dynamics {
             }
         }
         adams.restart_with_corrector(row, &y[..2 * coordinates]);
+        self.kernels.begin_step(row);
         let longest = System::longest_step(self, adams);
         adams.limit_step(longest);
         // The next step is metered from this motion, and with the slope behind the row.

@@ -40,6 +40,7 @@ impl System for Dynamics {
     }
 
     fn begin_step(&mut self, adams: &mut Adams) {
+        self.kernels.begin_step(adams.time());
         self.follow_with_pawls(adams.y());
         self.reset_bristles_of_ended_contacts(adams);
         self.forget_ended_contacts();

@@ -91,13 +91,15 @@ impl EndModel {
         }
     }
 
-    /// Return the prescribed acceleration at time `t` \[s\] \[m/s²\]; `None` for a loaded end.
+    /// Return the prescribed acceleration at time `t` \[s\] \[m/s²\]; `None` for a loaded end. At a row of a table after `since` \[s\] it is the
+    /// one before the row, else the one behind it.
     #[must_use]
-    pub fn given_acceleration(&self, t: f64) -> Option<Vec2> {
+    pub fn given_acceleration(&self, t: f64, since: f64) -> Option<Vec2> {
+        let slope = |velocity: &Signal| velocity.slope(velocity.one_sided(t, since));
         match &self.kind {
             EndKind::Loaded => None,
             EndKind::Free => Some(Vec2::zeros()),
-            EndKind::Anchored([x, y]) => Some(Vec2::new(x.slope(t), y.slope(t))),
+            EndKind::Anchored([x, y]) => Some(Vec2::new(slope(x), slope(y))),
         }
     }
 }
@@ -125,6 +127,11 @@ impl OpenEnds {
         })
     }
 
+    /// Return whether an end is moved, so that the force on it does work.
+    pub(crate) fn are_moved(&self) -> bool {
+        self.signals().any(|velocity| !velocity.is_zero())
+    }
+
     /// Return the time of the first knot of an end's velocity after `t` \[s\]; infinite without one.
     #[must_use]
     pub fn next_knot(&self, t: f64) -> f64 {
@@ -132,11 +139,10 @@ impl OpenEnds {
         knots.fold(f64::INFINITY, f64::min)
     }
 
-    /// Return whether hinge `k` of the ring is open: between the two end bodies, or at a free end.
-    #[must_use]
-    pub fn hinge_is_open(&self, k: usize) -> bool {
-        let loose = |end: &EndModel| end.hinge == k && end.kind == EndKind::Free;
-        k == self.links || self.bodies.iter().any(loose)
+    /// Return the open hinges of the ring: between the two end bodies, and at free ends.
+    pub fn open_hinges(&self) -> impl Iterator<Item = usize> {
+        let free = (self.bodies.iter()).filter(|end| end.kind == EndKind::Free);
+        std::iter::once(self.links).chain(free.map(|end| end.hinge))
     }
 
     /// Return whether hinge `k` has a bushing; at a free end, the bushing may belong to the link itself.
@@ -167,7 +173,12 @@ impl Model {
     /// Return whether hinge `k` is an open hinge of an open chain.
     #[must_use]
     pub fn hinge_is_open(&self, k: usize) -> bool {
-        self.ends.as_ref().is_some_and(|ends| ends.hinge_is_open(k))
+        self.open_hinges().any(|open| open == k)
+    }
+
+    /// Return the open hinges of an open chain.
+    pub fn open_hinges(&self) -> impl Iterator<Item = usize> {
+        self.ends.iter().flat_map(OpenEnds::open_hinges)
     }
 
     /// Return whether hinge `k` has a bushing.

@@ -61,11 +61,16 @@ impl<T: Number> HingeRoots<T> {
         }
     }
 
-    /// Give ideal hinges the root one: they have no compliance.
-    pub(super) fn assemble_ideal(&mut self, hinges: usize) {
+    /// Give ideal hinges the root one: they have no compliance. `open` hinges have the root zero.
+    pub(super) fn assemble_ideal(&mut self, hinges: usize, open: impl Iterator<Item = usize>) {
         (self.any, self.unit) = (true, 0.0);
         for (roots, value) in self.roots.iter_mut().zip([1.0, 1.0, 0.0]) {
             roots[BASE..][..hinges].fill(T::nearest(value));
+        }
+        for k in open {
+            for roots in &mut self.roots {
+                roots[BASE + k] = T::default();
+            }
         }
     }
 

@@ -504,7 +504,7 @@ impl<T: Number, const FRICTION: bool> Factorise<'_, T, FRICTION> {
         let (roots, arms) = (&mut factors.roots, &mut factors.arms);
         // A film transmits moments: its hinges have friction slopes and arms, FRICTION holds.
         if model.hinges.ideal {
-            roots.assemble_ideal(n);
+            roots.assemble_ideal(n, model.open_hinges());
         } else if FRICTION && !films.is_empty() {
             assemble_film_roots(simd, gamma, hinges, films, roots, arms);
         } else {
@@ -535,6 +535,9 @@ impl<T: Number, const FRICTION: bool> Factorise<'_, T, FRICTION> {
         factors
             .links
             .eliminate::<S, FRICTION>(simd, &linked, roots, rows);
+        if model.hinges.ideal {
+            ring::give_identity(rows, model.open_hinges());
+        }
         let definite = !factors.roots.any || factors.ring.factorise(simd, &factors.rows);
         (definite || evaluated.indefinite) && factors.eliminate_border::<S, FRICTION>(simd, n)
     }

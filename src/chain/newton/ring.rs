@@ -29,6 +29,13 @@ pub(super) fn hinge_rows<T: Number>(hinges: usize) -> HingeRows<T> {
     vec![Pack8::default(); padded(hinges)]
 }
 
+/// Give the rows of these ideal hinges, which have no joint, the identity as block: their coupling is zero already.
+pub(super) fn give_identity<T: Number>(rows: &mut [Pack8<T>], hinges: impl Iterator<Item = usize>) {
+    for k in hinges {
+        [rows[k].0[0], rows[k].0[1]] = [T::nearest(1.0); 2];
+    }
+}
+
 /// Write the rows of one vector of hinges from their entries.
 #[inline(always)]
 pub(super) fn put_rows<S: Vectors>(

@@ -175,10 +175,8 @@ impl WithSimd for ReadHinges<'_> {
         let [offset_x, offset_y] = &mut hinges.offset;
         write_offsets(offset_x, &motion.x, &model.chain.arms, &chain.cos);
         write_offsets(offset_y, &motion.y, &model.chain.arms, &chain.sin);
-        if model.ends.is_some() {
-            for k in (0..model.links).filter(|&k| model.hinge_is_open(k)) {
-                (offset_x[k], offset_y[k]) = (0.0, 0.0);
-            }
+        for k in model.open_hinges() {
+            (offset_x[k], offset_y[k]) = (0.0, 0.0);
         }
         let found = [
             &mut hinges.penetration[..],

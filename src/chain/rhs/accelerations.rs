@@ -65,10 +65,10 @@ impl Kernels {
     }
 
     /// Write the prescribed accelerations of the ends of an open chain.
-    pub(super) fn move_ends(ends: &OpenEnds, t: f64, accelerations: &mut [f64]) {
+    pub(super) fn move_ends(&self, ends: &OpenEnds, t: f64, accelerations: &mut [f64]) {
         let n = ends.links + 2;
         for end in &ends.bodies {
-            if let Some(given) = end.given_acceleration(t) {
+            if let Some(given) = end.given_acceleration(t, self.step_start) {
                 let i = end.body;
                 (
                     accelerations[i],

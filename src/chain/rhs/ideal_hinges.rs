@@ -32,6 +32,8 @@ pub(crate) struct IdealHinges {
     trial: Vec<f64>,
     /// Angular velocities of the links at the last evaluation \[rad/s\].
     spin: Vec<f64>,
+    /// Hinges without a joint: the open ones of an open chain.
+    open: Vec<usize>,
     /// Scratch: right-hand sides of the constraints.
     lack: [Numbers; 2],
     /// Scratch: directions of the links, cosines and sines.
@@ -57,6 +59,7 @@ impl IdealHinges {
             gamma: 0.0,
             trial: vec![0.0; 3 * n],
             spin: vec![0.0; n],
+            open: model.open_hinges().collect(),
             lack: padded(),
             direction: [padded_zeros(n + WIDTH), padded_zeros(n + WIDTH)],
             ends: [(); 4].map(|()| padded_zeros(n + WIDTH)),
@@ -103,7 +106,7 @@ impl IdealHinges {
     }
 }
 
-/// What the offsets at the hinges are those of; see [`WriteOpen`].
+/// What the offsets at the hinges are those of; see [`WriteOffsets`].
 #[derive(Clone, Copy)]
 enum Level {
     Positions,
@@ -115,7 +118,7 @@ enum Level {
 /// compiler vectorizes for the instruction set.
 ///
 /// An end at r from the centre x of its link is at x + r, and moves with v + ω × r and a + α × r - ω² r.
-struct WriteOpen<'a> {
+struct WriteOffsets<'a> {
     level: Level,
     /// Factor of the offsets.
     scale: f64,
@@ -126,10 +129,12 @@ struct WriteOpen<'a> {
     direction: [&'a [f64]; 2],
     arm: &'a [f64],
     ends: &'a mut [Numbers; 4],
-    open: &'a mut [Numbers; 2],
+    offset: &'a mut [Numbers; 2],
+    /// Hinges without a joint, whose offset is written as zero.
+    open: &'a [usize],
 }
 
-impl WithSimd for WriteOpen<'_> {
+impl WithSimd for WriteOffsets<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -161,13 +166,16 @@ impl WithSimd for WriteOpen<'_> {
         }
         (rear_x[n], rear_y[n]) = (rear_x[0], rear_y[0]);
         let scale = self.scale;
-        let [open_x, open_y] = self.open;
-        let (open_x, open_y) = (&mut open_x[..n], &mut open_y[..n]);
+        let [offset_x, offset_y] = self.offset;
+        let (offset_x, offset_y) = (&mut offset_x[..n], &mut offset_y[..n]);
         let (front_x, front_y) = (&front_x[..n], &front_y[..n]);
         let (rear_x, rear_y) = (&rear_x[1..=n], &rear_y[1..=n]);
         for k in 0..n {
-            open_x[k] = scale * (front_x[k] - rear_x[k]);
-            open_y[k] = scale * (front_y[k] - rear_y[k]);
+            offset_x[k] = scale * (front_x[k] - rear_x[k]);
+            offset_y[k] = scale * (front_y[k] - rear_y[k]);
+        }
+        for &k in self.open {
+            (offset_x[k], offset_y[k]) = (0.0, 0.0);
         }
     }
 }
@@ -272,7 +280,7 @@ impl Kernels {
         &mut self,
         model: &Model,
         pawls: &[f64],
-        y: &[f64],
+        (t, y): (f64, &[f64]),
         accelerations: &mut [f64],
     ) {
         let Some(mut ideal) = self.ideal.take() else {
@@ -281,7 +289,7 @@ impl Kernels {
         let n = model.links;
         (ideal.spin).copy_from_slice(&y[model.coordinates + 2 * n..][..n]);
         if !ideal.takes_forces {
-            self.instructions.run(WriteOpen {
+            self.instructions.run(WriteOffsets {
                 level: Level::Accelerations,
                 scale: 1.0,
                 of_links: of_links(accelerations, n),
@@ -289,7 +297,8 @@ impl Kernels {
                 direction: [&self.chain.cos, &self.chain.sin],
                 arm: &self.links.front_arm,
                 ends: &mut ideal.ends,
-                open: &mut ideal.lack,
+                offset: &mut ideal.lack,
+                open: &ideal.open,
             });
             self.factorise(model, pawls, 0.0, true);
             if let Some(newton) = &mut self.newton {
@@ -305,6 +314,10 @@ impl Kernels {
                     factor: 1.0,
                     change: &ideal.change,
                 });
+            }
+            if let Some(ends) = &model.ends {
+                // The matrix has a large mass in the place of a prescribed motion, which the forces have changed by 1e-20 of them.
+                self.move_ends(ends, t, accelerations);
             }
         }
         ideal.trial.copy_from_slice(&accelerations[..3 * n]);
@@ -325,7 +338,7 @@ impl Kernels {
             factor: -1.0 / ideal.gamma,
             change: residual,
         });
-        self.instructions.run(WriteOpen {
+        self.instructions.run(WriteOffsets {
             level: Level::Accelerations,
             scale: ideal.gamma,
             of_links: of_links(&ideal.trial, n),
@@ -333,7 +346,8 @@ impl Kernels {
             direction,
             arm: &self.links.front_arm,
             ends: &mut ideal.ends,
-            open: &mut ideal.lack,
+            offset: &mut ideal.lack,
+            open: &ideal.open,
         });
         ideal.residual[..residual.len()].copy_from_slice(residual);
         newton.correct(model, self.instructions, residual, Some(&ideal.lack));
@@ -363,7 +377,7 @@ impl Kernels {
         let direction = [&ideal.direction[0][..n], &ideal.direction[1][..n]];
         let mut worst = 0.0f64;
         for (level, coordinates) in [(Level::Positions, q), (Level::Velocities, v)] {
-            self.instructions.run(WriteOpen {
+            self.instructions.run(WriteOffsets {
                 level,
                 scale: 1.0,
                 of_links: of_links(coordinates, n),
@@ -371,7 +385,8 @@ impl Kernels {
                 direction,
                 arm: &self.links.front_arm,
                 ends: &mut ideal.ends,
-                open: &mut ideal.lack,
+                offset: &mut ideal.lack,
+                open: &ideal.open,
             });
             if let Level::Positions = level {
                 let all = ideal.lack.iter().flat_map(|lack| lack[..n].iter());

@@ -34,7 +34,7 @@ use tooth_constants::ToothConstants;
 
 use crate::chain::contact::{Candidates, ImpactMemory, Seated};
 use crate::chain::loads::{SprocketLoad, outside_powers};
-use crate::chain::model::{Model, Rotation};
+use crate::chain::model::{Model, OpenEnds, Rotation};
 use crate::chain::motion::sprocket_motion;
 use crate::chain::newton::NewtonMatrix;
 use crate::chain::powers::{Losses, Powers};
@@ -72,6 +72,8 @@ pub(crate) struct Kernels {
     changed: [bool; 3],
     /// Largest squared speed of a bushing, or of a roller, at the last evaluation \[m²/s²\].
     speed_squared: f64,
+    /// Start of the present step \[s\], infinite before the first one: prescribed accelerations at a row of a table are those of its side.
+    step_start: f64,
     /// Newton's matrix, allocated on request.
     newton: Option<Box<NewtonMatrix>>,
     /// Ideal hinges, where hinges have no clearance.
@@ -116,6 +118,7 @@ impl Kernels {
             losses: Losses::default(),
             changed: [true; 3],
             speed_squared: 0.0,
+            step_start: f64::INFINITY,
             newton: (model.hinges.ideal).then(|| Box::new(NewtonMatrix::new(model))),
             ideal: IdealHinges::of(model).map(Box::new),
             bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
@@ -134,6 +137,11 @@ impl Kernels {
     /// Return the instruction set.
     pub(crate) fn instructions(&self) -> InstructionSet {
         self.instructions
+    }
+
+    /// Begin a step at `t` \[s\].
+    pub(crate) fn begin_step(&mut self, t: f64) {
+        self.step_start = t;
     }
 
     /// Switch on or off the powers of all forces for the next evaluations.
@@ -173,13 +181,15 @@ impl Kernels {
         self.accelerate_links(model, accelerations);
         self.accelerate_rollers(model, accelerations);
         if let Some(ends) = &model.ends {
-            Self::move_ends(ends, t, accelerations);
+            self.move_ends(ends, t, accelerations);
         }
         self.accelerate_sprockets(model, &memory.pawls, t, accelerations);
-        self.close_hinges(model, &memory.pawls, y, accelerations);
+        self.close_hinges(model, &memory.pawls, (t, y), accelerations);
     }
 
-    /// Return the powers at (`t`, `y`) without accelerations. `bristle_rates` as for [`Self::evaluate_joints`].
+    /// Return the powers at (`t`, `y`). `bristle_rates` as for [`Self::evaluate_joints`].
+    ///
+    /// Accelerations are left out, but where ideal hinges move with an end: they give the force on it.
     pub(crate) fn powers(
         &mut self,
         model: &Model,
@@ -191,7 +201,12 @@ impl Kernels {
         self.place_sprockets(model, t, y);
         self.keep_powers(true);
         let writes_gaps = self.write_gaps(false);
-        self.evaluate_forces(model, memory, y, bristle_rates);
+        if self.ideal.is_some() && model.ends.as_ref().is_some_and(OpenEnds::are_moved) {
+            self.take_hinge_forces(false);
+            self.accelerate_placed(model, memory, t, y, bristle_rates);
+        } else {
+            self.evaluate_forces(model, memory, y, bristle_rates);
+        }
         self.write_gaps(writes_gaps);
         self.last_powers(model, t, y)
     }
