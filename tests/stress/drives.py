@@ -137,14 +137,19 @@ def paper(draw: Draw) -> rc.ChainDrive:
 
 
 def ideal_hinges(draw: Draw) -> rc.ChainDrive:
-    """Return a drive of two sprockets, or an open chain, with ideal hinges."""
-    if draw.chance(0.3, "open ideal"):
-        drive = open_chain(draw)
-        return replace(drive, chain=replace(drive.chain, link_stiffness=None), hinges="ideal")
+    """Return a drive of two sprockets with ideal hinges."""
     return two_sprockets(draw, "ideal")
 
 
 def open_chain(draw: Draw) -> rc.ChainDrive:
+    """Return an open chain, some with ideal hinges."""
+    drive = _open_chain(draw)
+    if draw.chance(0.2, "open ideal"):
+        return replace(drive, chain=replace(drive.chain, link_stiffness=None), hinges="ideal")
+    return drive
+
+
+def _open_chain(draw: Draw) -> rc.ChainDrive:
     """Return an open chain: hanging between two ends, or over a hoist's wheel."""
     links = draw.integer(4, 60)
     chain = parts.chain(draw, links)
