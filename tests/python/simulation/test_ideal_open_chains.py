@@ -196,14 +196,31 @@ def test_a_state_of_a_hoist_goes_on_to_the_same_bits(method, rollers, tmp_path):
 
 
 def test_the_balance_of_a_fast_heavy_load_closes():
-    """A second correction in each step: without it a hundred times as much is off."""
+    """By a second correction in each step: without it 17 mJ are off, and 0.4 mJ with it."""
     ends = (rc.LoadedEnd(3.0), rc.FreeEnd(links=17))
-    wheel = rc.Sprocket(14, motion=rc.PrescribedSpeed(120.0))
+    wheel = rc.Sprocket(14, motion=rc.PrescribedSpeed(98.0))
     drive = rc.open_chain("ANSI 60", ends, 52, [wheel], hinges="ideal")
-    energy = rc.Simulation(drive).run(6e-3, 1e-4, record=GROUPS, progress=False).energy
+    simulation = rc.Simulation(drive, min_impact_velocity=1e-5)
+    energy = simulation.run(6.4e-3, 1e-4, record=GROUPS, progress=False).energy
     assert energy.kinetic[0] > 30.0
     assert np.abs(energy.residual).max() < 2e-3
     assert np.abs(energy.external_work).max() > 0.1
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 2e4])
+def test_a_tensioner_between_anchors_gives_the_tension_asked_for(stiffness):
+    tensioner = rc.Tensioner(80.0, sprocket=2, stiffness=stiffness, ramp_time=0.0)
+    drive = rc.open_chain(
+        "ANSI 40",
+        (rc.AnchoredEnd((-0.2, -0.15)), rc.AnchoredEnd((0.6, -0.15))),
+        86,
+        [rc.Sprocket(17), rc.Sprocket(17, (0.3, 0.0))],
+        gravity=(0.0, 0.0),
+        tensioner=tensioner,
+        hinges="ideal",
+    )
+    result = rc.Simulation(drive, start="static").run(2e-3, 1e-4, record=GROUPS, progress=False)
+    np.testing.assert_allclose(result.array("strand_tension"), 80.0, atol=1.0)
 
 
 @pytest.mark.parametrize("start", ["generated", "static"])
