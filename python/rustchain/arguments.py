@@ -148,6 +148,8 @@ def admitted(where: str, value: Any, hint: Any) -> Any:  # noqa: ANN401
         return value
     broken = hint is str and isinstance(value, str)
     expected = "text without lone surrogates" if broken else _words(hint)
+    if hint is int:
+        expected += as_int(value)
     raise InvalidInput(f"{where}: got {shown(value)}; expected {expected}")
 
 
@@ -223,6 +225,13 @@ def finite_number(value: object) -> float | None:
         return given if math.isfinite(given) else None
     except OverflowError:  # an integer beyond every float
         return None
+
+
+def as_int(value: object) -> str:
+    """Return how to write a whole number that is a float or text; nothing of all else."""
+    text = repr(value).removesuffix(".0") if isinstance(value, float) else value
+    digits = isinstance(text, str) and text.isascii() and text.isdecimal()
+    return f" as an int, {text}" if digits else ""
 
 
 def _count(value: object) -> int | None:

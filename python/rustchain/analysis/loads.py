@@ -22,7 +22,7 @@ from rustchain.analysis.phases import (
 from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.arguments import plain, shown
 from rustchain.errors import NoSuchPart
-from rustchain.typing import Count, Numbers, Time
+from rustchain.typing import Array, Count, Numbers, Time
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -218,19 +218,28 @@ def by_gap(result: Result, sprocket: Count, rows: slice) -> Forces:
     A bushing that is in no contact at a row counts, with what it met since the row before, where
     it is in contact at the nearest row.
     """
-    teeth = result.drive.sprockets[sprocket - 1].teeth
+    of = forces_of(result, "tooth", rows)
+    how = (np.add, of.force), (np.maximum, of.peak), (np.add, of.impulse)
+    return Forces(*in_gaps(result, sprocket, rows, *how))
+
+
+def in_gaps(
+    result: Result, sprocket: Count, rows: slice, *given: tuple[np.ufunc, Array]
+) -> list[Array]:
+    """Combine values of bushings in each gap of a sprocket, (times, gaps), 0 where none is.
+
+    `given`: values, (times, bushings), and how those in one gap are combined.
+    """
     nearest = nearest_contact(result)
     wheel, gap = (
         np.take_along_axis(result.array(name), nearest, 0)[rows]
         for name in ("tooth_sprocket", "tooth_index")
     )
-    of = forces_of(result, "tooth", rows)
     met = np.nonzero(wheel == sprocket)
-    place, shape = (met[0], gap[met]), (len(of.peak), teeth)
-    found = Forces(np.zeros(shape), np.zeros(shape), np.zeros(shape))
-    np.add.at(found.force, place, of.force[met])
-    np.maximum.at(found.peak, place, of.peak[met])
-    np.add.at(found.impulse, place, of.impulse[met])
+    found = []
+    for combine, values in given:
+        found.append(np.zeros((len(values), result.drive.sprockets[sprocket - 1].teeth)))
+        combine.at(found[-1], (met[0], gap[met]), values[met])
     return found
 
 

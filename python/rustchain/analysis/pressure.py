@@ -9,7 +9,7 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.analysis import rainflow
 from rustchain.analysis.circuit import Circuit, path_length
-from rustchain.analysis.loads import checked_sprocket, forces_of, nearest_contact
+from rustchain.analysis.loads import checked_sprocket, forces_of, in_gaps, nearest_contact
 from rustchain.analysis.phases import checked_bins
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
@@ -147,11 +147,15 @@ def pressure_cycles(
             msg = f"sprocket = {sprocket}: only teeth belong to one; leave it out for hinges"
             raise InvalidInput(msg)
         checked_sprocket(result, sprocket)
-        now, most = _of_gaps(result, sprocket, rows, now, most)
+        now, most = in_gaps(result, sprocket, rows, (np.maximum, now), (np.maximum, most))
         part, numbers = "tooth", np.arange(now.shape[1])
         turns = path_length(result.array("sprocket_angle")[rows, sprocket - 1]) / (2 * np.pi)
     if turns == 0.0:
-        msg = "start, end: nothing has turned, so that no cycles can be counted; take a longer part"
+        msg = (
+            "start, end: nothing turns in this part, so that there are no cycles per revolution; "
+            "take a part in which the drive turns; of a drive at rest, Result.contact_pressure has "
+            "the pressures"
+        )
         raise InvalidInput(msg)
     # Each interval's peak comes before the value of the row that ends it; the first one's is over.
     history = np.stack([most, now], axis=1).reshape(-1, now.shape[1])[1:]
@@ -229,21 +233,3 @@ def check_contact(contact: str) -> None:
     if contact not in ("hinge", "tooth"):
         msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('hinge', 'tooth'))}"
         raise InvalidInput(msg)
-
-
-def _of_gaps(
-    result: Result, sprocket: Count, rows: slice, now: Array, most: Array
-) -> tuple[Array, Array]:
-    """Return the pressures in each gap of a sprocket, (times, gaps)."""
-    nearest = nearest_contact(result)[rows]
-    wheel, gap = (
-        np.take_along_axis(result.array(f"tooth_{name}"), nearest, 0)
-        for name in ("sprocket", "index")
-    )
-    row, bushing = np.nonzero(wheel == sprocket)
-    gaps = gap[row, bushing]
-    shape = (len(now), result.drive.sprockets[sprocket - 1].teeth)
-    of_gaps = np.zeros(shape), np.zeros(shape)
-    for found, of in zip(of_gaps, (now, most), strict=True):
-        np.maximum.at(found, (row, gaps), of[row, bushing])
-    return of_gaps

@@ -12,9 +12,10 @@ if TYPE_CHECKING:
 
 
 def reversals(history: Array, gate: float = 0.0) -> Array:
-    """Return the turning points of a history, its ends included.
+    """Return the first value of a history, its turning points and its last value.
 
-    Swings no larger than `gate` are passed over.
+    Of three points and more, swings no larger than `gate` are passed over, the one to the last
+    value too.
     """
     slopes = np.diff(history)
     values = history[np.concatenate([[True], slopes != 0.0])]

@@ -10,7 +10,7 @@ import numpy as np
 from rustchain.analysis.engagement import impacts
 from rustchain.analysis.jumps import jumps_within
 from rustchain.analysis.power import mean_powers
-from rustchain.analysis.transmission import angle_error, ripple_of
+from rustchain.analysis.transmission import angle_error, has_ripple, ripple_of
 from rustchain.analysis.window import (
     difference_or_zero,
     from_first_row,
@@ -79,7 +79,8 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
 
     A dict that prints as a table with units; ``.units`` has these.
 
-    Efficiency and transmission errors are left out where the chain jumped teeth.
+    Efficiency and transmission errors are left out where the chain jumped teeth. Efficiency is left
+    out where no power is delivered, ripple where the sprocket is at rest or turns back and forth.
     """
     rows = rows_between(result, start, end)
     jumps = jumps_within(result, start, end)
@@ -122,7 +123,7 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
         motions = [sprocket.motion for sprocket in result.drive.sprockets]
         loaded = result.array("sprocket_torque")[rows, 1 : len(motions)].any()  # as by set_torque
         driven = loaded or not all(isinstance(motion, Free) for motion in motions[1:])
-        if driven and not skipped:
+        if driven and not skipped and np.isfinite(power.efficiency):
             found["efficiency"] = power.efficiency
     return Summary(found)
 
@@ -143,6 +144,6 @@ def _transmission(
         if not {1, number} & set(skipped):
             _, error, radius = angle_error(result, number, 1, rows)
             found[f"transmission_error_{number}"] = float(radius * np.ptp(error))
-        if np.ptp(angle[:, number - 1]) > 0.0:
+        if has_ripple(result, number, rows):
             found[f"ripple_{number}"] = ripple_of(result, number, rows)[2]
     return found

@@ -114,6 +114,12 @@ def speed_ripple(
         Over ``time``: ``speed`` [rad/s], ``ripple`` = speed / mean - 1. Over ``order``, cycles
         per revolution of the sprocket: ``amplitude`` of the ripple. ``attrs``: ``mean``
         [rad/s], ``rms``, ``peak_to_peak``, ``tooth_order``.
+
+    Raises
+    ------
+    InvalidInput
+        The mean speed is below half of the RMS of the speed: the sprocket rests, turns back and
+        forth, or starts late in this part.
     """
     from rustchain.extras import xarray as xr
 
@@ -143,12 +149,32 @@ def speed_ripple(
 def ripple_of(result: Result, sprocket: Count, rows: slice) -> tuple[float, Array, float]:
     """Return the mean speed of a sprocket [rad/s], its ripple over time and the RMS of that."""
     time, speed = result.time[rows], result.array("sprocket_speed")[rows, sprocket - 1]
-    mean = _mean(time, speed)
-    if mean == 0.0:
-        msg = f"sprocket {sprocket} stands still: its ripple is not defined; take another one"
+    mean, turns = _mean_speed(result, sprocket, rows)
+    if not turns:
+        rms = float(np.sqrt(_mean(time, speed**2)))
+        msg = (
+            f"speed_ripple: the mean speed of sprocket {sprocket} is {mean:.3g} rad/s, the RMS of "
+            f"its speed {rms:.3g} rad/s; expected a sprocket that turns one way; take another one, "
+            "or a part of the run in which it does"
+        )
         raise InvalidInput(msg)
     ripple = difference_or_zero(speed / mean - 1.0, np.ones(1))
     return mean, ripple, float(np.sqrt(_mean(time, ripple**2)))
+
+
+def has_ripple(result: Result, sprocket: Count, rows: slice) -> bool:
+    """Return whether the speed of a sprocket has a mean that a ripple can be related to."""
+    return _mean_speed(result, sprocket, rows)[1]
+
+
+def _mean_speed(result: Result, sprocket: Count, rows: slice) -> tuple[float, bool]:
+    """Return the mean speed of a sprocket, and whether it is above half of the RMS of the speed.
+
+    Otherwise the ripple has an RMS above sqrt(3): the sprocket turns back and forth, or rests.
+    """
+    time, speed = result.time[rows], result.array("sprocket_speed")[rows, sprocket - 1]
+    mean = _mean(time, speed)
+    return mean, mean**2 > 0.25 * _mean(time, speed**2)
 
 
 def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
@@ -159,6 +185,14 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     from rustchain.extras import signal
 
     turned = angle * np.sign(angle[-1])
+    path = np.abs(np.diff(angle)).sum()
+    if turned[-1] < 0.5 * path:
+        msg = (
+            f"start, end: the shaft turned back and forth by {path:.3g} rad, and on by "
+            f"{turned[-1]:.3g} rad; expected a shaft that turns one way; take a part of the run in "
+            "which it does"
+        )
+        raise InvalidInput(msg)
     if len(turned) < 8 or not turned[-1] > 0.0:
         msg = (
             f"start, end: {counted(len(turned), 'rows')} over {turned[-1]:.3g} rad: too "

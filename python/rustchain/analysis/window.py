@@ -30,6 +30,9 @@ def rows_between(result: Result, start: Time, end: Time) -> slice:
     last = len(time)
     if end is not None:
         last = int(np.searchsorted(time, end + _ROUNDING * abs(float(end)), "right"))
+    if start is not None and end is not None and start > end:
+        msg = f"start={start}, end={end}: start is after end; expected an end at or after the start"
+        raise InvalidInput(msg)
     if first >= last:
         span = f"{time[0]:g} to {time[-1]:g} s"
         msg = f"start={start}, end={end}: no rows there; the result has {span}"

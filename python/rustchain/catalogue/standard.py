@@ -154,7 +154,11 @@ def two_sprocket_drive(
     >>> round(drive.sprockets[1].center[0], 4)  # [m]; the strands are straight
     0.2471
     """
+    if finite_number(teeth) is not None:
+        msg = f"teeth = {shown(teeth)}: must be two whole numbers, such as (17, 25)"
+        raise InvalidInput(msg)
     pair: tuple[int, int] = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
+    links = None if links is None else admitted("two_sprocket_drive(links)", links, int)
     iso = isinstance(chain, str) and _size(chain)[0].standard == "ISO 606"
     if isinstance(chain, Chain):
         links = chain.links if links is None else links
@@ -328,11 +332,13 @@ def _tensioner(pretension: float | None) -> Tensioner | None:
 
 def _size(name: str) -> tuple[ChainSize, int | None]:
     """Return the size of this name, whatever its case, and its number of strands."""
-    if isinstance(name, str):
-        size, dash, strands = name.partition("-")
-        listed = named_size(size)
-        if listed is not None and (not dash or strands in ("1", "2", "3")):
-            return SIZES[listed], int(strands) if dash else None
-    near = nearest_size(name) if isinstance(name, str) else None
+    if not isinstance(name, str):
+        meant = f": '{name}'" if named_size(str(name)) else ", such as 'ANSI 40'"
+        raise InvalidInput(f"chain = {shown(name)}: must be text, a name in the catalogue{meant}")
+    size, dash, strands = name.partition("-")
+    listed = named_size(size)
+    if listed is not None and (not dash or strands in ("1", "2", "3")):
+        return SIZES[listed], int(strands) if dash else None
+    near = nearest_size(name)
     hint = suggest(name, SIZES) if near is None else f"did you mean {near!r}?"
     raise InvalidInput(f"chain: {shown(name)} is not in the catalogue; {hint}")

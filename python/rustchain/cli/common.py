@@ -62,7 +62,7 @@ Settings = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="Change a field, as often as given: pretension=25, chain.material.restitution=0.5, "
-        "sprockets.2.motion.torque=-3, start=static, force_law={type='Hertz'}; values "
+        "sprockets.2.motion={torque=-3}, start=static, force_law={type='Hertz'}; values "
         "as in TOML; text needs no quotes.",
         autocompletion=_complete_setting,
     ),
@@ -175,6 +175,19 @@ class Law(str, Enum):
             Law.LIU_CONFORMAL: rc.LiuConformal(),
         }
         return laws[self]
+
+
+def law_named(name: str) -> rc.ForceLaw:
+    """Return the law of a name on the command line, or end as for a wrong command line."""
+    names = [law.value for law in Law]
+    if name not in names:
+        misuse(f"--law: {name!r} is no law; {suggest(name, names)}")
+    return Law(name).value_of()
+
+
+def complete_law(incomplete: str) -> list[str]:
+    """Return the laws whose names begin so, for the shell."""
+    return [law.value for law in Law if law.value.startswith(incomplete)]
 
 
 def make_room(path: Path) -> None:

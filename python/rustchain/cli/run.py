@@ -18,6 +18,8 @@ from rustchain.cli.common import (
     Settings,
     check_file,
     clear_errors,
+    complete_law,
+    law_named,
     make_room,
     scene_file,
 )
@@ -35,7 +37,13 @@ def run(
     pretension: Annotated[
         float | None, typer.Option(help="Tension given to each strand [N]; 0: no tensioner.")
     ] = None,
-    law: Annotated[Law | None, typer.Option(help="Force law of every contact.")] = None,
+    law: Annotated[
+        str | None,
+        typer.Option(
+            help=f"Force law of every contact: {', '.join(law.value for law in Law)}.",
+            autocompletion=complete_law,
+        ),
+    ] = None,
     method: Annotated[
         str | None, typer.Option(help="Integration method: auto, pece or newton.")
     ] = None,
@@ -89,7 +97,7 @@ def run(
         # Of every contact, whatever laws a file has for some.
         laws = ("force_law", "hinge_law", "tooth_law")
         simulation = (
-            {} if law is None else dict(zip(laws, (law.value_of(), None, None), strict=True))
+            {} if law is None else dict(zip(laws, (law_named(law), None, None), strict=True))
         )
         solver = _given({"method": method, "max_step": max_step, "accuracy": accuracy})
         if any(tolerance is not None for tolerance in (accuracy, rtol, atol)):

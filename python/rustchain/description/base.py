@@ -17,7 +17,7 @@ from typing import (
 )
 
 from rustchain import _rustchain
-from rustchain.arguments import admitted, plain, shown
+from rustchain.arguments import admitted, as_int, plain, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
 
@@ -44,6 +44,7 @@ else:
 _Class = TypeVar("_Class")
 
 _LINE = 100  # characters of a repr
+_WHOLE = ("int", "int | None")  # annotations of fields
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,11 @@ class Description:
     def __post_init__(self) -> None:
         """Turn lists and arrays into tuples, then have the compiled module check every field."""
         for field in dataclasses.fields(self):
-            object.__setattr__(self, field.name, plain(getattr(self, field.name)))
+            value = plain(getattr(self, field.name))
+            object.__setattr__(self, field.name, value)
+            if field.type in _WHOLE and (meant := as_int(value)):
+                msg = f"{type(self).__name__}.{field.name} = {value!r}: must be a whole number"
+                raise InvalidInput(msg + meant)
         _rustchain.validate(self)
 
     def to_json(self, *, placeholders: bool = False) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rustchain.description.base import Description, description
-from rustchain.description.signals import Sines, SmoothStep, Spline, Table
+from rustchain.description.signals import Sines, SmoothStep, Spline, Table, refuse_functions
 from rustchain.typing import Point, Rows
 
 if TYPE_CHECKING:
@@ -38,6 +38,12 @@ class AnchoredEnd(Description):
     position: Point
     velocity: Sequence[float | SmoothStep | Table | Spline | Sines] | Rows = (0.0, 0.0)
     links: int | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse functions, and let the rest be checked."""
+        parts = self.velocity if isinstance(self.velocity, list | tuple) else [self.velocity]
+        refuse_functions("AnchoredEnd.velocity", *parts)
+        super().__post_init__()
 
 
 @description(frozen=True)

@@ -27,7 +27,8 @@ class GuideArm(Description):
     ramp_time : float
         Time over which the force grows from zero [s].
     stiffness : float
-        Reduction of the force per displacement of the plunger [N/m].
+        Reduction of the force per displacement of the plunger outward from the described position
+        of the rail [N/m].
     damping : float
         Damping coefficient of the dashpot of the plunger [N s/m].
     damping_back : float, optional

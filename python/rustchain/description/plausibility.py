@@ -7,8 +7,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
+from rustchain import _rustchain
 from rustchain.arguments import finite_number
 from rustchain.description.signals import Sines, SmoothStep
+from rustchain.description.teeth import CustomTooth
 
 if TYPE_CHECKING:
     from rustchain.description.chain import Chain
@@ -16,6 +20,7 @@ if TYPE_CHECKING:
     from rustchain.description.mechanism.builder import Mechanism
     from rustchain.description.mechanism.parts import Body
     from rustchain.description.scene import Scene
+    from rustchain.description.sprocket import Sprocket
 
 
 class _Range(NamedTuple):
@@ -61,7 +66,7 @@ _RANGES = {
             {"Coulomb": ("coefficient",), "LuGre": ("static_coefficient", "kinetic_coefficient")},
         ),
         (
-            _Range(1e-5, 50.0, "Pa s", "0.01 to 0.5 is usual; give it in Pa s, 1e-3 of mPa s"),
+            _Range(1e-5, 5.0, "Pa s", "0.01 to 0.5 is usual; give it in Pa s, 1e-3 of mPa s"),
             {"LubricantFilm": ("viscosity",)},
         ),
         (
@@ -83,8 +88,20 @@ _FASTEST = 3.2e4
 _FASTEST_CHAIN = 40.0
 # Mass of a link over the cube of its pitch [kg/m^3]: roller chains have 4e3, 4e6 with grams.
 _DENSEST = 2e5
+# What a link carries over the cube of its pitch [kg/m^3]: 8 kg on a link of 12.7 mm, ten times as
+# much as the conveyors among the examples.
+_LARGEST_CARRIED = 20.0 * _DENSEST
 # What turns with a sprocket, as a mass on the chain at its pitch radius [kg].
 _HEAVIEST = 1e6
+# Breaking load of a strand over the square of its pitch [Pa]: 12,500 lbf with a pitch of an inch in
+# ANSI/ASME B29.1. The largest of the catalogue, of ISO 08B, is 1.3 times as large.
+_STRENGTH = 8.618e7
+_TORQUE = "give it in N m, 1e-3 of N mm"
+# Distance of a seated bushing from the pitch circle, in pitches: one tooth more moves it by 0.16.
+_FARTHEST_SEAT = 0.05
+# Coarsest accuracy [m] at which the steps of drives follow penetrations of 1e-6 m: at 1e-5 m a run
+# of 50 ms dissipated 1.4e6 J.
+_COARSEST = 1e-7
 
 
 def implausible_inputs(described: Scene | ChainDrive | Mechanism) -> list[str]:
@@ -124,7 +141,7 @@ def _outside(usual: _Range, given: Any, where: str) -> Iterator[str]:  # noqa: A
 
 
 def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
-    """Tell of places far from each other, of speeds, and of what turns with the sprockets."""
+    """Tell of places far from each other, of loads, and of sprockets."""
     parts = {"sprocket": drive.sprockets, "guide": drive.guides, "end": drive.ends or ()}
     places = [
         (f"{name} of {part} {number}", getattr(each, name))
@@ -138,8 +155,9 @@ def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
         if far > max(_LENGTH.high, _FARTHEST * drive.chain.pitch):
             first = places[0][0].partition(" of ")[2]
             yield f"{place} = ({x:.4g}, {y:.4g}) m: is {far:.4g} m from {first}; {_MILLIMETRES}"
+    yield from _loads(drive)
     for number, sprocket in enumerate(drive.sprockets, 1):
-        radius = 0.5 * drive.chain.pitch / math.sin(math.pi / sprocket.teeth)
+        radius = _pitch_radius(drive.chain, sprocket.teeth)
         if (mass := sprocket.load_inertia / radius**2) > _HEAVIEST:
             yield (
                 f"load_inertia of sprocket {number} = {sprocket.load_inertia:.4g} kg m^2: at its "
@@ -155,6 +173,56 @@ def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
                     f"{radius * speed:.4g} m/s, roller chains run below {_FASTEST_CHAIN:g} m/s; "
                     "convert rev/min by rustchain.rpm"
                 )
+        if isinstance(sprocket.profile, CustomTooth):
+            yield from _seat(drive.chain, sprocket, number)
+
+
+def _loads(drive: ChainDrive) -> Iterator[str]:
+    """Tell of loads at which the chain would break."""
+    torques = [
+        (f"motion.{name} of sprocket {number}", _largest(given), sprocket.teeth)
+        for number, sprocket in enumerate(drive.sprockets, 1)
+        for name in ("torque", "curve")
+        if (given := getattr(sprocket.motion, name, None)) is not None
+    ]
+    loads = [
+        (f"{where} reaches {torque:.4g} N m", torque / _pitch_radius(drive.chain, teeth), _TORQUE)
+        for where, torque, teeth in torques
+    ]
+    if drive.tensioner is not None:
+        pull = drive.tensioner.pretension
+        loads.append((f"tensioner.pretension = {pull:.4g} N", pull, "give it in N"))
+    for number, end in enumerate(drive.ends or (), 1):
+        mass = getattr(end, "mass", 0.0)
+        weight = mass * math.hypot(*drive.gravity)
+        loads.append((f"mass of end {number} = {mass:.4g} kg", weight, "give it in kg, 1e-3 of g"))
+    strength = _STRENGTH * drive.chain.strands * drive.chain.pitch**2
+    for where, pull, remedy in loads:
+        if pull > strength:
+            yield (
+                f"{where}: pulls the chain with {pull:.4g} N, roller chains of its pitch break at "
+                f"about {strength:.3g} N; {remedy}"
+            )
+
+
+def _seat(chain: Chain, sprocket: Sprocket, number: int) -> Iterator[str]:
+    """Tell of a bushing that rests in the middle of a gap far from the pitch circle."""
+    radius = _pitch_radius(chain, sprocket.teeth)
+    offsets = np.linspace(-0.5, 0.5, 101) * chain.pitch
+    places = np.column_stack([radius + offsets, np.zeros(len(offsets))])  # gap 0 lies along x
+    _, penetration, _ = _rustchain.tooth_contacts(sprocket, chain, places, chain.contact_radius)
+    offset = float(np.interp(0.0, -penetration, offsets))  # the penetration falls outward
+    if abs(offset) > _FARTHEST_SEAT * chain.pitch:
+        side = "below" if offset < 0.0 else "above"
+        yield (
+            f"profile of sprocket {number}: a seated bushing stands {1e3 * abs(offset):.1f} mm "
+            f"{side} the pitch circle of {sprocket.teeth} teeth; draw the pieces for this tooth "
+            "number"
+        )
+
+
+def _pitch_radius(chain: Chain, teeth: int) -> float:
+    return 0.5 * chain.pitch / math.sin(math.pi / teeth)
 
 
 def _largest(signal: Any) -> float:  # noqa: ANN401
@@ -170,7 +238,7 @@ def _largest(signal: Any) -> float:  # noqa: ANN401
 
 
 def _chain(chain: Chain, prefix: str, of: str) -> Iterator[str]:
-    """Tell of the masses of links."""
+    """Tell of the masses of links and of what they carry."""
     for name in ("inner", "outer", "offset"):
         link = getattr(chain, name)
         if link is not None and link.mass > _DENSEST * chain.pitch**3:
@@ -178,6 +246,23 @@ def _chain(chain: Chain, prefix: str, of: str) -> Iterator[str]:
                 f"{prefix}{name}.mass{of} = {link.mass:.4g} kg: is much for a pitch of "
                 f"{chain.pitch:.4g} m; give it in kg, 1e-3 of g"
             )
+    link, heaviest = max(chain.carried, key=lambda row: row[1], default=(0, 0.0))
+    if heaviest > _LARGEST_CARRIED * chain.pitch**3:
+        yield (
+            f"{prefix}carried{of}, link {link} = {heaviest:.4g} kg: is much for a pitch of "
+            f"{chain.pitch:.4g} m; give it in kg, 1e-3 of g"
+        )
+
+
+def _scene(scene: Scene, *_: str) -> Iterator[str]:
+    """Tell of an accuracy of drives that does not resolve their contacts."""
+    solver = scene.solver
+    replaced = solver.rtol is not None or solver.atol is not None
+    if scene.kind == "drive" and not replaced and solver.accuracy > _COARSEST:
+        yield (
+            f"solver.accuracy = {solver.accuracy:.4g} m: steps no longer resolve contacts of 1e-6 "
+            "m; take 1e-8 or less"
+        )
 
 
 def _body(body: Body, *_: str) -> Iterator[str]:
@@ -202,4 +287,5 @@ _CHECKS: dict[str, Callable[..., Iterator[str]]] = {
     "Body": _body,
     "Chain": _chain,
     "ChainDrive": _drive,
+    "Scene": _scene,
 }

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import degrees
+from math import degrees, isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from rustchain import _rustchain
 from rustchain.description.base import plain
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.description.sprocket import Free
+from rustchain.errors import InvalidInput
 from rustchain.html import HtmlView
 from rustchain.names import counted, named_attributes
 
@@ -74,7 +75,7 @@ class DriveReport(HtmlView):
     hinge_stretch : float
         Eccentricity of the strand hinges at the start [m].
     start_gap : float
-        Smallest gap of all contacts at the start [m].
+        Smallest gap of all contacts at the start [m]; infinite where no bushing is near one.
     tension_force : float
         Force of the tensioner on its sprocket after the ramp [N], with the sprocket where it is
         described. Over a displacement s the force of a spring is less by ``stiffness`` times s.
@@ -156,7 +157,16 @@ class DriveReport(HtmlView):
 
     @property
     def speed_ratio(self) -> float:
-        """Mean speed of sprocket 2 over that of sprocket 1."""
+        """Mean speed of sprocket 2 over that of sprocket 1.
+
+        Raises
+        ------
+        InvalidInput
+            The drive has fewer than two sprockets.
+        """
+        if len(self.teeth) < 2:
+            msg = f"speed_ratio: got {counted(len(self.teeth), 'sprockets')}; expected two or more"
+            raise InvalidInput(msg)
         return self.speed_ratios[1]
 
     def __str__(self) -> str:
@@ -186,7 +196,10 @@ class DriveReport(HtmlView):
             rows.append(("  taut and straight at", f"{1e3 * self.closing_center_distance:.6f} mm"))
         if len(self.teeth) > 2:
             rows.append(("order along the chain", ", ".join(map(str, self.order))))
-        percent = [100.0 * sag / span for sag, span in zip(self.sag, self.strand_span, strict=True)]
+        percent = [
+            _text(100.0 * sag / span, ".2f") if span else ""  # none between ends at one point
+            for sag, span in zip(self.sag, self.strand_span, strict=True)
+        ]
         of_sprockets: list[Row] = [
             ("", ""),
             _row("sprocket", range(1, len(self.teeth) + 1)),
@@ -201,10 +214,11 @@ class DriveReport(HtmlView):
             _row("first seat at [deg]", _scaled(self.first_seat_angle, degrees(1), ".6f")),
             _row("phase [deg]", _scaled(self.phase, degrees(1), ".6f")),
         ]
+        gap: list[Row] = [("smallest gap at the start", f"{_text(1e6 * self.start_gap, '.3f')} um")]
         tensioner: list[Row] = [("tensioner force", f"{_text(self.tension_force, '.3f')} N")]
         rows += [
             ("hinge stretch", f"{_text(1e6 * self.hinge_stretch, '.3f')} um"),
-            ("smallest gap at the start", f"{_text(1e6 * self.start_gap, '.3f')} um"),
+            *(gap if isfinite(self.start_gap) else ()),  # infinite: none is near
             *(tensioner if self.drive is None or self.drive.tensioner is not None else ()),
             *(of_sprockets if self.teeth else ()),
             ("", ""),
@@ -213,7 +227,7 @@ class DriveReport(HtmlView):
             _row("span [mm]", _scaled(self.strand_span, 1e3, ".4f")),
             _row("slack [um]", _scaled(self.strand_slack, 1e6, ".3f")),
             _row("sag [mm]", _scaled(self.sag, 1e3, ".4f")),
-            _row("sag [% of span]", _scaled(tuple(percent), 1.0, ".2f")),
+            _row("sag [% of span]", percent),
             *self._guide_rows(),
         ]
         return rows

@@ -5,8 +5,29 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from rustchain import _rustchain
+from rustchain.arguments import shown
 from rustchain.description.base import Typed, description
+from rustchain.errors import InvalidInput
 from rustchain.typing import Number, Rows
+
+_OTHER_FORMS = {  # than a number, and what a function is sampled into
+    "signal": ("rows of (time, value), Table, Spline, Sines or SmoothStep", "Table"),
+    "position": ("Spline, Sines or SmoothStep", "Spline"),
+    "curve": ("rows or a Table", "Table"),
+}
+
+
+def refuse_functions(where: str, *given: object, kind: str = "signal", setter: str = "") -> None:
+    """Refuse Python functions in the place of signals and curves; `setter` changes them in runs."""
+    forms, sampled = _OTHER_FORMS[kind]
+    remedy = f", or call {setter} with a number in a callback of the run" if setter else ""
+    for each in given:
+        if callable(each) and not isinstance(each, type):
+            msg = (
+                f"{where} = {shown(each)}: is a Python function; expected a number, {forms}; "
+                f"sample it into a {sampled}{remedy}"
+            )
+            raise InvalidInput(msg)
 
 
 class _Signal(Typed):

@@ -35,7 +35,8 @@ class Solver(Description):
     max_order : int
         Highest order, 1 to 12.
     accuracy : float
-        Error tolerance of a step in lengths [m], at most 1e-4. In speeds it is `accuracy` times
+        Error tolerance of a step in lengths [m], at most 1e-4; more than 1e-7 does not resolve the
+        contacts of drives. In speeds it is `accuracy` times
         1e5/s, in angles the rotation that moves a point at half the pitch by `accuracy` (a
         sprocket's, at its pitch radius). Links on ideal hinges have half of it, not of `rtol` and
         `atol`. For comparison: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at

@@ -12,7 +12,7 @@ from rustchain import _rustchain
 from rustchain.arguments import checked, plain, shown
 from rustchain.description.base import Description, description
 from rustchain.description.chain import Chain
-from rustchain.description.signals import Curve, Signal
+from rustchain.description.signals import Curve, Signal, refuse_functions
 from rustchain.description.teeth import AnsiTooth, ToothForm
 from rustchain.errors import InvalidInput
 from rustchain.typing import Point
@@ -20,8 +20,10 @@ from rustchain.typing import Point
 Side = Literal["inside", "outside"]
 
 
-def _refuse_a_list_of_numbers(where: str, axis: str, given: object) -> None:
-    """Tell a list of numbers, or an array of one axis, as it was given and not by its first one."""
+def _refuse_other_forms(where: str, axis: str, given: object, setter: str = "") -> None:
+    """Refuse functions; tell a list of numbers as it was given and not by its first one."""
+    kind = "signal" if axis == "time" else "curve"
+    refuse_functions(where, given, kind=kind, setter=setter)
     values = plain(given)
     if isinstance(values, tuple) and values and not any(isinstance(v, tuple) for v in values):
         expected = "one number, or rows" if axis == "time" else "rows"
@@ -48,8 +50,8 @@ class PrescribedSpeed(Description):
     speed: Signal
 
     def __post_init__(self) -> None:
-        """Refuse numbers in a row as they were given, and let the rest be checked."""
-        _refuse_a_list_of_numbers("PrescribedSpeed.speed", "time", self.speed)
+        """Refuse functions and numbers in a row, and let the rest be checked."""
+        _refuse_other_forms("PrescribedSpeed.speed", "time", self.speed, "set_speed")
         super().__post_init__()
 
 
@@ -77,9 +79,9 @@ class AppliedTorque(Description):
     curve: Curve | None = None
 
     def __post_init__(self) -> None:
-        """Refuse numbers in a row as they were given, and let the rest be checked."""
-        _refuse_a_list_of_numbers("AppliedTorque.torque", "time", self.torque)
-        _refuse_a_list_of_numbers("AppliedTorque.curve", "speed", self.curve)
+        """Refuse functions and numbers in a row, and let the rest be checked."""
+        _refuse_other_forms("AppliedTorque.torque", "time", self.torque, "set_torque")
+        _refuse_other_forms("AppliedTorque.curve", "speed", self.curve)
         super().__post_init__()
 
 

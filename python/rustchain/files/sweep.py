@@ -60,6 +60,8 @@ _OF_MORE = re.compile(r"tension_\w+-\w+|(transmission_error|ripple)_([2-9]|[1-9]
 """Figures of further strands and sprockets."""
 _WITHOUT_JUMPS = re.compile(r"efficiency|transmission_error_([2-9]|[1-9]\d+)")
 """Figures that a chain that jumps teeth does not have."""
+_OF_TURNING = re.compile(r"efficiency|ripple_([2-9]|[1-9]\d+)")
+"""Figures that a drive at rest, or one that turns back and forth, does not have."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +76,10 @@ class Figures:
         found = result.summary(start=self.burn_in)
         jumps = jumps_within(result, self.burn_in)
         jumped = jumps is not None and len(jumps[0]) > 0
+        recorded = {"sprockets", "energy"} <= set(result.groups)
         for name in self.names:
-            if jumped and _WITHOUT_JUMPS.fullmatch(name):
+            absent = jumped and _WITHOUT_JUMPS.fullmatch(name)
+            if absent or (recorded and _OF_TURNING.fullmatch(name)):
                 found.setdefault(name, nan)  # the others are kept
             if name not in found:
                 msg = f"measure: {shown(name)} is no figure of this run; {suggest(name, found)}"

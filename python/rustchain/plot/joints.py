@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.description.drive import PrescribedSpeed
+from rustchain.description.ends import hinges_of
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, RED
@@ -26,10 +27,10 @@ class JointFigures(Figures):
     ) -> Figure:
         """Draw the force of ideal hinges and the torque of motors over time.
 
-        Joints have the names that they have in `ChainDrive.to_mechanism`: "hinge_6", "motor_1",
-        one by one or in a list. Without a name the mean and the largest force of all hinges are
-        drawn, and all motors where sprockets were recorded. Of a mechanism, force and torque of its
-        joints and drivers are drawn, without a name of all.
+        Joints have the names "hinge_6" and "motor_1", by the numbers of `Result.hinge` and
+        `Result.sprocket`, one by one or in a list. Without a name the mean and the largest force of
+        all hinges are drawn, and all motors where sprockets were recorded. Of a mechanism, force
+        and torque of its joints and drivers are drawn, without a name of all.
         """
         if self.result.scene.kind == "mechanism":
             return joint_loads_figure(
@@ -47,7 +48,7 @@ class JointFigures(Figures):
             len(shown), 1, sharex=True, squeeze=False, ax=ax, figsize=(7.0, 0.6 + 1.8 * len(shown))
         )
         if not names:
-            force = self.result.array("hinge_force")[rows]
+            force = self.result.array("hinge_force")[rows][:, hinges_of(self.result.drive)]
             cells[0, 0].plot(time, force.max(axis=1), color=RED, label="largest of all hinges")
             cells[0, 0].plot(time, force.mean(axis=1), color=BLUE, label="mean of all hinges")
         for k, name in enumerate(hinges):
@@ -81,13 +82,14 @@ class JointFigures(Figures):
 
     def _joint_names(self, given: tuple[str | Sequence[str], ...]) -> list[str]:
         """Return the names that are given, which must exist."""
-        known = [f"hinge_{k + 1}" for k in range(self.result.drive.hinge_count)] + self._motors()
+        hinges = [f"hinge_{k + 1}" for k in hinges_of(self.result.drive)]
+        known = hinges + self._motors()
         wanted: list[str] = []
         for one in given:
             wanted += [one] if isinstance(one, str) or not isinstance(one, Sequence) else one
         for name in wanted:
             if name not in known:
-                some = (known[0], f"... hinge_{self.result.drive.hinge_count}", *self._motors())
+                some = (hinges[0], f"... {hinges[-1]}", *self._motors())
                 msg = (
                     f"joint: {shown(name)} is no joint with a load here; "
                     f"{suggest(name, known, some)}"

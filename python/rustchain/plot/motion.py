@@ -43,9 +43,7 @@ class MotionFigures(Figures):
         left.plot(turned, 1e6 * found["error_length"], color=BLUE)
         left.set(xlabel=f"revolutions of sprocket {driver}")
         left.set(ylabel=f"error of sprocket {driven} [µm]")
-        error = found.attrs["peak_to_peak"]  # none before anything touches
-        radius = found.attrs["peak_to_peak_length"] / error if error > 0.0 else 0.0
-        _orders(right, found, 1e6 * radius, "amplitude [µm]", driver)
+        _orders(right, found, 1e6 * radius_of(found), "amplitude [µm]", driver)
         return figure
 
     @styled
@@ -211,6 +209,12 @@ class MotionFigures(Figures):
         if np.isfinite(efficiency):
             above.set_title(f"efficiency {efficiency:.4f}")
         return figure
+
+
+def radius_of(found: xr.Dataset) -> float:
+    """Return the pitch radius by which a transmission error in rad was made a length [m]."""
+    error = found.attrs["peak_to_peak"]  # none before anything touches
+    return float(found.attrs["peak_to_peak_length"] / error) if error > 0.0 else 0.0
 
 
 def _bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> None:

@@ -124,7 +124,7 @@ def _shape(shape: Shape | Bar) -> dict[str, Any]:
 
 
 def _forces(result: Result, group: Forces, rows: slice, large: float) -> dict[str, Any]:
-    vectors = np.nan_to_num(result.array(group.array)[rows][..., :2])
+    vectors = result.array(group.array)[rows][..., :2]
     given = {"contact": result.contact_names, "joint": result.joint_names}
     label = NAMES.get(group.kind, f"{group.kind} force")
     names: Sequence[str] = given.get(group.kind) or [
@@ -162,8 +162,9 @@ def _series(result: Result, rows: slice) -> tuple[list[str], list[str], Array]:
 def block_of(values: Array, step: float, order: int) -> dict[str, Any]:
     """Return numbers as the player's `decode` takes them.
 
-    Values are rounded to whole multiples of `step`, or to a billionth of their range where that is
-    larger. Their differences of `order` along time, small for smooth motion, are packed by bytes.
+    NaN, which JSON lacks, becomes 0. Values are rounded to whole multiples of `step`, or to a
+    billionth of their range where that is larger. Their differences of `order` along time, small
+    for smooth motion, are packed by bytes.
 
     Parameters
     ----------
@@ -174,6 +175,7 @@ def block_of(values: Array, step: float, order: int) -> dict[str, Any]:
     order : int
         How often differences are taken.
     """
+    values = np.nan_to_num(values)
     low, high = float(values.min()), float(values.max())
     scale = max(step, (high - low) / _WHOLE) or 1.0
     whole = np.rint((values - low) / scale).astype(np.int64)

@@ -16,6 +16,7 @@ from rustchain.arguments import finite_number, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREY, PAPER, RED
+from rustchain.plot.motion import radius_of
 from rustchain.plot.style import Ax, panels, styled, subplots
 from rustchain.typing import Array, Count, Time
 
@@ -47,6 +48,9 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
                 f"{suggest(name, numbers)}"
             )
             raise InvalidInput(msg)
+    if not any(values.size for values in samples.values()):
+        msg = "measures: nothing was measured; expected numbers, or arrays that are not empty"
+        raise InvalidInput(msg)
     if not numbers:
         msg = "measures: arrays of two dimensions and more are not drawn; take .statistics"
         raise InvalidInput(msg)
@@ -85,7 +89,8 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
     """Draw the measured numbers of a sweep over its first axis, a panel each, six at most."""
     measured = sweep.to_xarray()
     over = sweep.dims[0]
-    names = [str(name) for name, values in measured.items() if over in values.dims][:6]
+    real = "biuf"  # kinds of numbers, of which complex ones and other values are not drawn
+    names = [str(n) for n, v in measured.items() if over in v.dims and v.dtype.kind in real][:6]
     if not names:
         msg = "sweep: nothing that was measured is a number of each case"
         raise InvalidInput(msg)
@@ -308,6 +313,8 @@ def draw_waterfall(
 ) -> Figure:
     """Draw the amplitude by order over the axis of a sweep, such as the speed.
 
+    The orders of the teeth are marked where all cases have the same.
+
     Parameters
     ----------
     sweep : SweepResult
@@ -342,23 +349,24 @@ def draw_waterfall(
             raise InvalidInput(msg)
         if result is not None:
             found = getattr(result, quantity)(sprocket, start=start)
-            radius = _radius(found) if quantity == "transmission_error" else 1.0
-            tooth = found.attrs["tooth_order"]
-            lines.append((value, *_in_bins(found, scale * radius, 4.5 * tooth)))
+            radius = radius_of(found) if quantity == "transmission_error" else 1.0
+            lines.append((value, found, scale * radius))
     if len(lines) < 2:
         msg = f"draw_waterfall(sweep): {len(lines)} cases have a result; expected two or more"
         raise InvalidInput(msg)
     lines.sort(key=lambda line: line[0])
-    values, orders = np.array([line[0] for line in lines]), lines[0][1]
-    amplitudes = np.array([line[2] for line in lines])
+    values = np.array([value for value, _, _ in lines])
+    teeth = {found.attrs["tooth_order"] for _, found, _ in lines}
+    orders = np.arange(0.5 * _BIN, 4.5 * max(teeth) + 0.5 * _BIN, _BIN)
+    amplitudes = np.array([_in_bins(found, factor, orders) for _, found, factor in lines])
     figure, axes = subplots(ax=ax, figsize=(7.0, 3.6))
     top = float(amplitudes.max()) or 1.0
     drawn = axes.pcolormesh(
         orders, values, np.maximum(amplitudes, 1e-4 * top), cmap="viridis",
         norm=LogNorm(1e-3 * top, top), shading="nearest", rasterized=True,
     )  # fmt: skip
-    for multiple in range(1, 5):
-        axes.axvline(multiple * tooth, color=PAPER, linestyle="--", linewidth=0.7, alpha=0.8)
+    for multiple in range(1, 5) if len(teeth) == 1 else ():
+        axes.axvline(multiple * max(teeth), color=PAPER, linestyle="--", linewidth=0.7, alpha=0.8)
     shaft = 1 if quantity == "transmission_error" else sprocket
     axes.set(xlabel=f"order, per revolution of sprocket {shaft}", ylabel=_named(over))
     axes.grid(visible=False)
@@ -368,25 +376,17 @@ def draw_waterfall(
     return figure
 
 
-def _in_bins(found: xr.Dataset, scale: float, highest: float) -> tuple[Array, Array]:
-    """Return orders at even distances and the largest amplitude about each.
+def _in_bins(found: xr.Dataset, scale: float, orders: Array) -> Array:
+    """Return the largest amplitude about each of `orders`, the middles of bins.
 
     Runs of unlike numbers of revolutions have their amplitudes at unlike orders.
     """
-    edges = np.arange(0.0, highest + _BIN, _BIN)
     order, amplitude = found["order"].to_numpy(), scale * found["amplitude"].to_numpy()
-    middles = 0.5 * (edges[1:] + edges[:-1])
-    binned = np.interp(middles, order, amplitude)  # of a bin without an order of its own
-    place = np.digitize(order, edges) - 1
-    there = (place >= 0) & (place < len(binned))
+    binned: Array = np.interp(orders, order, amplitude)  # of a bin without an order of its own
+    place = (order / _BIN).astype(int)
+    there = place < len(binned)
     np.maximum.at(binned, place[there], amplitude[there])
-    return middles, binned
-
-
-def _radius(found: xr.Dataset) -> float:
-    """Return the pitch radius by which an error in rad was made a length [m]."""
-    error = found.attrs["peak_to_peak"]
-    return float(found.attrs["peak_to_peak_length"] / error) if error > 0.0 else 0.0
+    return binned
 
 
 def _named(axis: str) -> str:

@@ -19,10 +19,9 @@ PARTS = 8  # of equal duration
 _T = 2.3646  # quantile of Student's t distribution at 97.5 %, PARTS - 1 degrees of freedom
 _ROWS = 16  # that each part has at least
 
-# Figures that are means over time: the mean of the parts is that of the whole.
-_MEANS = re.compile(
-    r"tension_.*(?<!_std)$|hinge_contact_share|engagement_force_mean|loss|efficiency"
-)
+# Figures that are means over time: the mean of the parts is that of the whole. The efficiency is a
+# ratio of two means, and engagement impacts are events, of which parts may have unlike numbers.
+_MEANS = re.compile(r"tension_.*(?<!_std)$|hinge_contact_share|loss")
 _LABELS = (
     (r"tension_(.+)_std", r"standard deviation of the tension, strand \1"),
     (r"tension_(.+)", r"mean tension, strand \1"),

@@ -151,11 +151,11 @@ def _key_figures(result: Result) -> str:
     table = _table(("", "value", "", f"95 % interval, or range of {PARTS} parts"), rows)
     energy = _energy(result)
     note = (
-        f"± is the 95 % interval of a mean, from the means of {PARTS} parts of equal duration "
-        f"({_number(np.ptp(result.time) / PARTS)} s{_turns(result)}), taken as independent. What "
-        "repeats within a revolution makes it wider than chance does, a change that outlasts a "
-        "part narrower. Of extremes and spreads the range of the parts is given. Other starts of "
-        "a chaotic drive are the subject of study()."
+        f"± is the 95 % interval of a mean over time, from the means of {PARTS} parts of equal "
+        f"duration ({_number(np.ptp(result.time) / PARTS)} s{_turns(result)}), taken as "
+        "independent. What repeats within a revolution makes it wider than chance does, a change "
+        "that outlasts a part narrower. Of other figures the range of the parts is given. Other "
+        "starts of a chaotic drive are the subject of study()."
     )
     return f'{table}{energy}<p class="note">{note}</p>'
 

@@ -231,7 +231,10 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         return ChainEnd(self.time, *(self._column(f"end_{name}", k) for name in names))
 
     def guide(self, number: Count) -> SprocketMotion:
-        """Return guide `number`: angle and place of its bearing, torque on it.
+        """Return guide `number`: angle, speed, torque and place of its bearing.
+
+        The torque is that of the bearing. On a `GuideArm` it is the force of the plunger with its
+        ramp, times the lever, without spring, dashpot, stops and ratchet.
 
         In arrays the guides follow the sprockets; a bushing's `sprocket` counts them on.
         """

@@ -103,11 +103,12 @@ class Present(OfScene):
 
             - ``time`` [s]; ``positions`` and ``velocities``, (bodies, 3) [m, m, rad], [m/s, m/s,
               rad/s];
-            - of drives with clearance in their hinges, ``hinge_onset_speed``, (hinges,), and
-              ``tooth_onset_speed``, (bushings, sprockets):
-              initial impact velocity of each present contact [m/s], 0 without contact;
-            - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
-              working curve, 2 flat, 3 topping curve;
+            - of drives, ``hinge_onset_speed``, (hinges,), and ``tooth_onset_speed``, (bushings,
+              sprockets and guides): initial impact velocity of each present contact [m/s], 0
+              without contact and in ideal hinges;
+            - ``tooth_onset_surface``, (bushings, sprockets and guides): surface of the contact
+              onset, numbered from the seat, 0, outward; of ANSI teeth 1 is the working curve, 2 the
+              flat, 3 the topping curve;
             - ``ended_hinges`` and ``ended_tooth_pairs`` (sprocket · bushings + bushing): contacts
               that ended in the last step;
             - where rollers are bodies, ``roller_onset_speed``, (rollers,), and ``ended_rollers``,

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
+import shutil
 import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -33,6 +36,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
 
 _MOST_GROUPS = 100  # far more than there are; what has more may have no end
 _MOST_ROWS = 1e9  # more are refused whatever they hold
+_SHARE = 0.8  # of the memory for rows; the rest is for all other programs
 _BETWEEN_LINES = 30.0  # [s] of wall time, so that a run of a minute has one line, one of days 100
 WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
@@ -79,24 +83,38 @@ def numbers_of_drive_row(drive: ChainDrive, groups: Sequence[str], energy: bool)
     return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 
 
-def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:
-    """Refuse more rows of so many numbers each than the machine's memory holds.
+def check_rows_fit(duration: object, report_step: object, numbers: int, out: object = None) -> None:
+    """Refuse more rows of so many numbers each than memory holds, or the disc with the file `out`.
 
-    Values that are no positive numbers are refused elsewhere.
+    Values that are no positive numbers, and names of files that are none, are refused elsewhere.
     """
     duration, report_step = finite_number(duration), finite_number(report_step)
     if duration is None or report_step is None or min(duration, report_step) <= 0.0:
         return
     rows, size = duration / report_step, 8 * numbers
-    memory = _memory()
-    if rows <= _MOST_ROWS and rows * size > memory:
-        least = duration * size / memory
+    room = _SHARE * _memory() if out is None else _free_space(out)
+    if rows <= _MOST_ROWS and rows * size > room:
+        gigabytes = f"{room / 2**30:.3g} GiB"
+        if out is None:
+            limit, other = f"memory has {gigabytes} for them", "run it in pieces"
+        else:
+            limit, other = f"the disc has {gigabytes} free", "name a file on another disc"
         msg = (
             f"report_step = {report_step:g}: gives {rows:.3g} rows of {size} bytes in {duration:g} "
-            f"s, {rows * size / 2**30:.3g} GiB, where this machine has {memory / 2**30:.3g}: take "
-            f"{least:.1e} s or more, record less, or run it in pieces"
+            f"s, {rows * size / 2**30:.3g} GiB, where {limit}: take "
+            f"{duration * size / max(room, size):.1e} s or more, record less, or {other}"
         )
         raise InvalidInput(msg)
+
+
+def _free_space(out: object) -> float:
+    """Return the free space of the disc [bytes], with that of the file that `out` replaces."""
+    try:
+        path = Path(out)  # type: ignore[arg-type]  # what names no file raises
+        replaced = path.stat().st_size if path.is_file() else 0
+        return float(shutil.disk_usage(path.parent).free + replaced)
+    except (TypeError, ValueError, OSError):
+        return math.inf
 
 
 def _memory() -> float:

@@ -14,7 +14,7 @@ from rustchain.description.drive import ChainDrive
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene, Start
-from rustchain.description.signals import Signal
+from rustchain.description.signals import Signal, refuse_functions
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
@@ -182,6 +182,7 @@ class Simulation(Present):
 
     def _set(self, quantity: Quantity, part: str | Count, value: Signal) -> None:
         """Set a speed or a torque from now on."""
+        refuse_functions(quantity, value, setter=f"set_{quantity}")
         self._core.set_input(part_of(self.scene.system, part, quantity), quantity, plain(value))
 
     @known_keywords
@@ -256,7 +257,8 @@ class Simulation(Present):
             A netCDF file to which the rows are written during the run, for runs of any length; one
             that is there is replaced when the run begins. Endings are those of `Result.save`.
             Complete blocks of 256 rows are written every two seconds, or when `memory` is full.
-            `load_result` reads the file at any time, also when the process was killed.
+            `load_result` reads the file at any time, also when the process was killed. More rows
+            than the disc has room for are refused, unless `stop` or `callback` may end the run.
         memory : str or int, optional
             Of a run with `out`, the most memory that rows take [bytes], such as "256 MB", the
             default, or "1 GiB". Numbers and steps do not depend on it.
@@ -298,8 +300,10 @@ class Simulation(Present):
         check_truth("progress", progress)
         seconds, step = plain(duration), plain(report_step)
         numbers = numbers_of_a_row(self, groups, energy)
-        if out is None:
-            check_rows_fit(seconds, step, numbers)
+        # A run with conditions may end long before its duration, which is then only a bound. Its
+        # rows are kept if it fills the disc.
+        if out is None or not looks:
+            check_rows_fit(seconds, step, numbers, out)
         piece = rows_of_a_piece(out, memory, numbers)
         recording = Recording(self, (self.positions, self.velocities), self._core.stats())
         self._core.start_recording(seconds, step, groups, energy)

@@ -287,9 +287,10 @@ def check_looks(
     """Return the conditions as a list; raise where one of them, or the callback, is none."""
     conditions = [stop] if isinstance(stop, StopCondition) else stop
     if isinstance(conditions, str) or not isinstance(conditions, Sequence):
+        own = "; a function of your own goes into callback=" if callable(stop) else ""
         msg = (
             f"stop = {shown(stop)}: must be a stop condition, such as HingeForceAbove, or a "
-            "list of them"
+            f"list of them{own}"
         )
         raise InvalidInput(msg)
     for condition in conditions:

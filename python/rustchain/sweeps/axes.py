@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeAlias
@@ -11,8 +12,12 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from rustchain.arguments import shown
+from rustchain.catalogue.generators import chain_drive
+from rustchain.catalogue.standard import two_sprocket_drive
 from rustchain.description.drive import (
+    AppliedTorque,
     ChainDrive,
+    Free,
     PrescribedSpeed,
     Tensioner,
 )
@@ -41,6 +46,11 @@ _LAW_FIELDS = tuple(name for name in field_names(Scene) if "_law." in name)
 RUN_FIELDS = ("duration", "report_step", "record", "energy")
 _SHORTHANDS = ("replicate", "pretension", "speed")
 _DISTURBANCE = 1e-4  # of a speed at the start
+# A sprocket with a lower initial speed [rad/s], such as one at rest, is disturbed as one with this:
+# by up to 1e-5 rad/s, or 0.5 um/s at a pitch radius of 50 mm. In a run of a second it moves less
+# than clearances, and it is far above rounding, from which a chaotic drive already diverges.
+_SLOW = 0.1
+_LOAD = re.compile(r"(?:sprockets\.(\d+)\.motion\.)?(torque|curve)")
 
 
 def parameter_names(system: System | None = None, run: Iterable[str] = RUN_FIELDS) -> list[str]:
@@ -76,18 +86,21 @@ def check_names(
         )
         raise InvalidInput(msg) from error
     known = [*own, *parameter_names(system, run)]
-    names = dict.fromkeys(str(name) for case in cases for name in case)
+    names = {str(name): value for case in cases for name, value in case.items()}
+    drive = None if _is_function(system) else scene_of(system).system
 
     def why_missing(name: str) -> str | None:
         if _is_function(system) or any(name.startswith(f"{each}.") for each in names):
             return None
         return missing_part(scene_of(system).system, _kind_of(system), name.split("."))
 
-    for name in names:
-        if not (takes_all or _in_scene(name)) and general(name) not in known:
-            near: str | None = nearest(name, known, why_missing)
-        else:
-            near = why_missing(name)
+    for name, value in names.items():
+        near: str | None = None
+        if isinstance(drive, ChainDrive) and name not in known:
+            near = _other_remedy(drive, name, value, where == "--set")
+        if near is None and not (takes_all or _in_scene(name)) and general(name) not in known:
+            near = nearest(name, known, why_missing)
+        near = near or why_missing(name)
         if near is not None:
             raise InvalidInput(f"{where}: {shown(name)} is no parameter; {near}")
     for case in cases:
@@ -99,6 +112,27 @@ def check_names(
         if twice is not None:
             msg = f"{where}: {shown(twice)} is there twice, under two names"
             raise InvalidInput(msg)
+
+
+def _other_remedy(drive: ChainDrive, name: str, value: object, on_command_line: bool) -> str | None:
+    """Return what to change in place of the torque of a free sprocket, or of no field; or None."""
+    motions = {str(number): s.motion for number, s in enumerate(drive.sprockets, 1)}
+    if (load := _LOAD.fullmatch(name)) is not None:
+        free = [number for number, motion in motions.items() if isinstance(motion, Free)]
+        loaded = any(isinstance(motion, AppliedTorque) for motion in motions.values())
+        number = load[1] or (free[0] if free and not loaded else None)
+        if number in free:
+            motion, given = f"sprockets.{number}.motion", shown(value)
+            made = f"AppliedTorque({load[2]}={given}), in files {{{load[2]} = {given}}}"
+            remedy = f"{motion}={{{load[2]}={given}}}" if on_command_line else f"{motion} to {made}"
+            return f"drive.{motion} is a Free; set the whole of it, {remedy}"
+        return None
+    generators = (two_sprocket_drive, chain_drive) if drive.ends is None else ()
+    for generator in generators:
+        if name in inspect.signature(generator).parameters:
+            place = "change it in the drive file" if on_command_line else "sweep a function of it"
+            return f"it is an argument of {generator.__name__}, no field of the drive; {place}"
+    return None
 
 
 def case_of(system: System, run: Parameters, parameters: Parameters) -> tuple[Scene, Parameters]:
@@ -199,12 +233,11 @@ def _replicated_drive(drive: ChainDrive, given: object) -> ChainDrive:
         )
         raise InvalidInput(msg)
     factors = 1.0 + _DISTURBANCE * np.random.default_rng(seed).uniform(-1.0, 1.0, len(free))
-    speeds = drive.check().initial_speed
+    speeds = np.array(drive.check().initial_speed)
+    changed = np.where(np.abs(speeds) < _SLOW, speeds + _SLOW * (factors - 1.0), speeds * factors)
     sprockets = tuple(
-        replace(sprocket, initial_speed=float(speed * factor)) if moves else sprocket
-        for sprocket, moves, speed, factor in zip(
-            drive.sprockets, free, speeds, factors, strict=True
-        )
+        replace(sprocket, initial_speed=speed) if moves else sprocket
+        for sprocket, moves, speed in zip(drive.sprockets, free, changed.tolist(), strict=True)
     )
     return replace(drive, sprockets=sprockets)
 

@@ -20,7 +20,7 @@ from rustchain.results.result import Result
 from rustchain.results.values import ArrayValue
 from rustchain.sweeps.case_run import told
 from rustchain.sweeps.cases import Axes, Parameters, dims_of, names_of
-from rustchain.sweeps.measure import check_names_of
+from rustchain.sweeps.measure import array_of, check_distinct, check_names_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -184,8 +184,10 @@ class SweepResult(ArrayValue, HtmlView):
             if value is not None
             for n in row
         )
-        check_names_of(names, self._taken())
-        return {str(name): _stacked(str(name), [row.get(name) for row in rows]) for name in names}
+        check_distinct(names)
+        arrays = {str(n): _stacked(str(n), [row.get(n) for row in rows]) for n in names}
+        check_names_of({name: array[0] for name, array in arrays.items()}, self._taken())
+        return arrays
 
 
 def _stacked(name: str, values: Sequence[Any]) -> _Values:
@@ -193,7 +195,7 @@ def _stacked(name: str, values: Sequence[Any]) -> _Values:
 
     Arrays of another shape stand at the beginning of one that holds each of them.
     """
-    arrays = [None if value is None else np.asarray(value) for value in values]
+    arrays = [None if value is None else array_of(name, value) for value in values]
     there = [array for array in arrays if array is not None]
     shapes = sorted({array.shape for array in there})
     if not there:

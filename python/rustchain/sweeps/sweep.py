@@ -70,7 +70,8 @@ def sweep(
     - "pretension" [N]: makes, changes or (0 N) removes the tensioner; "speed" [rad/s]: that of the
       driver;
     - "replicate": a seed; every sprocket without a prescribed speed, and every body of a mechanism
-      that moves, starts at random up to 1e-4 of its speed faster or slower; 0: none does;
+      that moves, starts at random up to 1e-4 of its speed faster or slower, a sprocket below 0.1
+      rad/s up to 1e-5 rad/s; 0: none does;
     - a field of the scene, such as "solver", or of what is in it, dotted: "force_law.friction",
       "solver.rtol"; a field of the solver alone, such as "rtol", too;
     - an argument of the run: "duration", "report_step", "record", "energy";
@@ -130,7 +131,8 @@ def sweep(
     ------
     InvalidInput
         A parameter is not known, no case has values that are allowed, or a store cannot tell
-        whether a function is the same. A measured name is that of a parameter, "error" or "case".
+        whether a function is the same. A measured name is that of a parameter, "error", "case",
+        another measured name as text, or a number of a measured array.
     OSError
         The store cannot be written.
 

@@ -68,8 +68,10 @@ def engaged(run):
         (8, [6], 4, 0, 1),  # of the flat rail
     )
     row, number = np.mgrid[:rows, 1 : LINKS + 1]
-    peak = 100.0 * number + row**2 + 1.0
-    impulse = number + 0.01 * 2.0**row
+    seen = stays["tooth_sprocket"] > 0
+    loaded = seen | np.vstack([seen[:1], seen[:-1]])  # in the interval that ends with the row
+    peak = np.where(loaded, 100.0 * number + row**2 + 1.0, 0.0)
+    impulse = np.where(loaded, number + 0.01 * 2.0**row, 0.0)
     return made(
         run,
         2.0 - 0.25 * np.arange(rows),
@@ -114,12 +116,39 @@ def test_engagements_of_one_sprocket_or_guide_are_asked_for(engaged):
 
 def test_a_longer_impact_takes_more_rows(engaged):
     """A pitch is four rows."""
-    one = engaged.engagements(2, within=1.0).iloc[0]
-    assert one["force"] == 300 + 4**2 + 1
-    least = engaged.engagements(2, within=1e-6).iloc[0]
-    assert least["force"] == 300 + 1 + 1
+    one = engaged.engagements(1, within=1.0).iloc[0]
+    assert one["force"] == 100 + 6**2 + 1
+    least = engaged.engagements(1, within=1e-6).iloc[0]
+    assert least["force"] == 100 + 3**2 + 1
     with pytest.raises(rc.InvalidInput, match=r"within = 0\.0: must be a positive number"):
         engaged.engagements(2, within=0.0)
+
+
+def test_impacts_that_are_over_before_a_row_belong_to_the_engagement(run):
+    """Flights between the impacts are 2.25 pitches, along the strands 3.75."""
+    rows = 50
+    stays = contacts(rows, (4, [2, 3], 1, 3, 2), (4, [26, 27], 2, 9, 1))
+    forces = {4: 70.0, 8: 60.0, 16: 90.0, 22: 50.0, 26: 3.0, 27: 2.0, 28: 1.0, 32: 8.0, 38: 90.0}
+    peak = table(rows, {(row, 4): force for row, force in forces.items()})
+    impulse = 0.1 * peak
+    time = 0.1 * np.arange(rows)
+    for turn in (0.75, -0.75):
+        result = made(
+            run,
+            turn * np.arange(rows),
+            time,
+            peak_tooth_force=peak,
+            peak_tooth_impulse=impulse,
+            **stays,
+        )
+        former, found = result.engagements().to_dict("records")
+        assert (found["time"], found["tooth"], found["region"]) == (pytest.approx(2.2), 9, 1)
+        assert (found["force"], found["impulse"]) == (50.0, pytest.approx(5.0))
+        assert found["largest_force"] == 50.0
+        assert found["pitches"] == pytest.approx(0.75 * (31 - 22))
+        assert (former["time"], former["largest_force"]) == (pytest.approx(0.2), 70.0)
+        assert former["pitches"] == pytest.approx(0.75 * (7 - 2))
+        assert len(result.engagements(start=2.3)) == 0  # the onset is in the interval before
 
 
 def random_forces(run, pitches, time, part, **arrays):
@@ -576,5 +605,7 @@ def test_unloaded_contacts_have_no_cycles_and_a_chain_at_rest_has_no_revolution(
     assert not found["cycles"].any()
     rest = made(run, [2.0, 2.0], [0.0, 1.0])
     for asked in (("hinge",), ("tooth",), ("tooth", 2)):
-        with pytest.raises(rc.InvalidInput, match="nothing has turned"):
+        with pytest.raises(
+            rc.InvalidInput, match=r"nothing turns in this part.* of a drive at rest"
+        ):
             rest.pressure_cycles(*asked)

@@ -492,9 +492,10 @@ def test_key_figures_need_what_they_are_made_of(summed):
 def test_a_sprocket_at_rest_has_no_ripple_and_a_driver_at_rest_gives_no_error(summed):
     angle = summed.array("sprocket_angle").copy()
     angle[:, 1] = 0.3
-    found = replace(summed, arrays=summed.arrays | {"sprocket_angle": angle}).summary()
-    assert "ripple_2" not in found
-    assert {"transmission_error_2", "ripple_3"} <= set(found)
+    rest = {"sprocket_angle": angle, "sprocket_speed": summed.array("sprocket_speed") * [1, 0, 1]}
+    found = replace(summed, arrays=summed.arrays | rest).summary()
+    assert not {"ripple_2", "efficiency"} & set(found)  # it delivers no power
+    assert {"transmission_error_2", "ripple_3", "loss"} <= set(found)
     angle[:, 0] = 0.1
     found = replace(summed, arrays=summed.arrays | {"sprocket_angle": angle}).summary()
     assert not {"transmission_error_2", "transmission_error_3", "ripple_3"} & set(found)

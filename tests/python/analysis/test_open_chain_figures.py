@@ -44,6 +44,21 @@ def test_the_mean_spectrum_of_an_open_chain_is_that_of_its_hinges():
     np.testing.assert_allclose(drawn, found.mean("hinge"), rtol=1e-12)
 
 
+def test_joint_loads_of_an_open_chain_are_those_of_its_hinges():
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd())
+    drive = rc.open_chain("ANSI 40", ends, links=4, hinges="ideal")
+    result = rc.Simulation(drive).run(2e-3, progress=False)
+    largest, mean = (line.get_ydata() for line in result.plot.joint_loads().axes[0].lines)
+    force = result.array("hinge_force")[:, [0, 1, 2, 5]]
+    np.testing.assert_array_equal(largest, force.max(axis=1))
+    np.testing.assert_array_equal(mean, force.mean(axis=1))
+    assert mean[-1] > 0.0
+    for name in ("hinge_4", "hinge_5"):
+        with pytest.raises(rc.InvalidInput, match=f"joint: '{name}' is no joint with a load here"):
+            result.plot.joint_loads(name)
+    assert len(result.plot.joint_loads("hinge_6").axes[0].lines) == 1
+
+
 @pytest.mark.parametrize(("links", "end"), [(40, (0.4, 0.0)), (41, (0.3, 0.2)), (6, (0.05, -0.02))])
 def test_a_hanging_chain_with_roller_bodies_starts_as_near_to_rest_as_one_without(links, end):
     """Play in the hinges sets both apart from rest: generated hinges are concentric."""

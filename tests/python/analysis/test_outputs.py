@@ -327,6 +327,7 @@ def test_engagements_are_the_visits_of_the_bushings(run):
     one = found.iloc[len(found) // 2]
     row = int(np.flatnonzero(run.time == one["time"])[0])
     bushing = run.bushing(int(one["bushing"]))
+    row += int(np.argmax(bushing.sprocket[row:] > 0))  # an impact may be over before its row
     assert (bushing.sprocket[row], bushing.tooth[row]) == (one["sprocket"], one["tooth"])
 
 

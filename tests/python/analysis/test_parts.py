@@ -160,6 +160,8 @@ def test_a_row_within_rounding_of_an_end_is_in_the_part(short):
     assert rows_between(result, 0.02 + 1e-9, 0.03 - 1e-9 + 1e-8) == slice(2, 3)
     with pytest.raises(rc.InvalidInput, match="no rows there"):
         rows_between(result, 0.021, 0.029)
+    with pytest.raises(rc.InvalidInput, match=r"start=0\.03, end=0\.02: start is after end"):
+        rows_between(result, 0.03, 0.02)
 
 
 # --- reversals
@@ -235,6 +237,23 @@ def test_engagements_of_a_part_are_those_of_the_whole_in_that_time(turning, star
     pitch = 2 * math.pi / 17 / 60.0  # [s]
     late, known = (each[each["time"] > start + pitch] for each in (found, expected))
     pd.testing.assert_frame_equal(late.reset_index(drop=True), known.reset_index(drop=True))
+
+
+def test_engagements_do_not_depend_on_the_report_step():
+    """At 1000 rpm bushings bounce by up to 0.8 pitches: rows show some only in a later contact."""
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", (17, 25), links=60, speed=rc.rpm(1000), torque=-4.0, pretension=100.0
+    )
+    means = []
+    for report_step in (1e-5, 1e-4, 2e-4, 5e-4):
+        result = rc.Simulation(drive).run(
+            0.2, report_step, record=("teeth", "sprockets"), progress=False
+        )
+        found = result.between(0.12).engagements()
+        means.append(found[["force", "largest_force", "impulse", "pitches"]].mean())
+    assert means[0]["force"] > 500.0
+    for mean in means[1:]:
+        np.testing.assert_allclose(mean, means[0], rtol=0.05)
 
 
 def test_a_bushing_in_flight_at_the_first_row_of_a_part_continues_its_episode(short):

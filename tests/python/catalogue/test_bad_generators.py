@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import rustchain as rc
@@ -46,6 +47,27 @@ def test_a_wrong_argument_of_a_generator_is_refused_by_name(function, keyword, n
     assert re.search(
         "must be|expected|must increase|needs at|too few|not in the cat", str(caught.value)
     )
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: two_sprockets(links=60.0), "got 60.0; expected a whole number as an int, 60"),
+        (lambda: two_sprockets(links="60"), "got '60'; expected a whole number as an int, 60"),
+        (
+            lambda: rc.catalogue_chain("40", np.float64(60.0)),
+            "Chain.links = 60.0: must be a whole number as an int, 60",
+        ),
+        (lambda: rc.Sprocket(17.0), "Sprocket.teeth = 17.0: must be a whole number as an int, 17"),
+        (lambda: two_sprockets(teeth=(17, 25.0)), "got 25.0; expected a whole number as an int, 2"),
+        (lambda: two_sprockets(teeth=17), "teeth = 17: must be two whole numbers, such as (17, 25"),
+        (lambda: two_sprockets(chain=40), "chain = 40: must be text, a name in the catalogue: '40"),
+        (lambda: rc.catalogue_chain(4.0, 60), "a name in the catalogue, such as 'ANSI 40'"),
+    ],
+)
+def test_a_refusal_says_what_to_write_instead(call, message):
+    with pytest.raises(rc.InvalidInput, match=re.escape(message)):
+        call()
 
 
 def test_center_distances_at_which_sprockets_overlap_are_refused_by_the_check():

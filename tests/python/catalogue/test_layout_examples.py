@@ -1,5 +1,6 @@
 """The examples of layouts: each lays its chain, checks, runs for a moment and makes its picture."""
 
+import re
 import runpy
 from pathlib import Path
 
@@ -9,7 +10,8 @@ import pytest
 
 import rustchain as rc
 
-LAYOUTS = Path(__file__).parents[3] / "examples" / "layouts"
+ROOT = Path(__file__).parents[3]
+LAYOUTS = ROOT / "examples" / "layouts"
 
 
 @pytest.mark.parametrize("path", sorted(LAYOUTS.glob("*.py")), ids=lambda path: path.stem)
@@ -34,3 +36,13 @@ def test_an_example_lays_checks_runs_and_makes_its_picture(path, tmp_path, monke
     for result in results:
         assert result.success
         assert np.all(np.isfinite(result.final_positions))
+
+
+def test_both_guides_of_the_page_have_contact():
+    page = (ROOT / "docs" / "howto" / "layouts.md").read_text(encoding="utf-8")
+    block = next(b for b in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "GuideArm" in b)
+    names = {"rc": rc}
+    exec(block, names)
+    assert not [text for text in names["drive"].check().warnings if "guide" in text]
+    result = rc.Simulation(names["drive"], start="static").run(0.01, progress=False)
+    assert all(result.guide_loads(guide).attrs["mean_force"] > 0.0 for guide in (1, 2))

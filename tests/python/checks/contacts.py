@@ -123,7 +123,7 @@ def elongation():
     """Return the checks of a loaded hanging chain: F n / k longer than with rigid links."""
     test = f"{HERE}::test_a_loaded_chain_is_longer_by_the_elongation_of_its_links"
     checks = []
-    for links, stiffness, load in ((4, 1e7, 20.0), (41, 5e7, 2000.0)):
+    for links, stiffness, load in ((4, 1e7, 20.0), (41, 5e7, 1000.0)):
         chain = rc.catalogue_chain("ANSI 40", links)
         ends = [rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(load, 1e-4 * load)]
         low = []

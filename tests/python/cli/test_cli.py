@@ -82,7 +82,7 @@ def test_every_name_of_a_law_is_that_law(name):
         (("run", "paper", "--record", "hinges,teth"), "did you mean 'teeth'"),
         (("run", "paper", "--duration", -1), "error: "),
         (("run", "paper", "--rtol", -1), "rtol"),
-        (("run", "paper", "--law", "hooke"), "--law"),
+        (("run", "paper", "--law", "hertzz"), "error: --law: 'hertzz' is no law; did you mean"),
         (("plot", "no-such-file.nc"), "no-such-file.nc"),
     ],
 )

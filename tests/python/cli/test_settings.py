@@ -109,6 +109,19 @@ def test_settings_take_the_place_of_what_a_file_says():
         ("sprockets.4.teeth=20", "sprockets.4: does not exist; expected a number from 1 to 2"),
         ("guides.1.length=0.1", "guides.1: does not exist, for drive.guides is empty"),
         ("sprockets.1.motion.torque=1", "motion.torque: does not exist; known: 'speed'"),
+        *[
+            (
+                f"{name}=-3",
+                "drive.sprockets.2.motion is a Free; set the whole of it, "
+                "sprockets.2.motion={torque=-3}",
+            )
+            for name in ("torque", "sprockets.2.motion.torque")
+        ],
+        (
+            "center_distance=0.3",
+            "it is an argument of two_sprocket_drive, no field of the drive; change it in the "
+            "drive file",
+        ),
         ("record=[", "record = '[': is no value of TOML"),
     ],
 )

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import rustchain as rc
@@ -35,6 +36,14 @@ def of_load(**changed):
         (
             replace(DRIVE, tensioner=replace(DRIVE.tensioner, damping=1e12)),
             r"tensioner.damping = 1e\+12 N s/m: .* give it in N s/m",
+        ),
+        (
+            of_chain(carried=[(6, 200.0), (8, 0.2)]),
+            "chain.carried, link 6 = 200 kg: is much .* give it in kg, 1e-3 of g",
+        ),
+        (
+            replace(DRIVE, tensioner=replace(DRIVE.tensioner, pretension=25e3)),
+            "tensioner.pretension = 2.5e.04 N: .* break at about 1.39e.04 N; give it in N",
         ),
         (of_load(load_inertia=1e4), r"load_inertia of sprocket 2 = 1e\+04 kg m\^2: .* of kg mm"),
         (
@@ -73,6 +82,77 @@ def test_a_pitch_in_millimetres_is_told():
     assert [text for text in told if "chain.pitch = 12.7 m: lengths are in metres" in text]
 
 
+TORQUE = (
+    "motion.torque of sprocket 2 reaches 2000 N m: pulls the chain with 5.787e+04 N, roller chains "
+    "of its pitch break at about 1.39e+04 N; give it in N m, 1e-3 of N mm"
+)
+
+
+@pytest.mark.parametrize(
+    "torque",
+    [
+        -2000.0,
+        [(0.0, 0.0), (0.5, -2000.0)],
+        rc.Table([(0.0, 0.0), (0.5, 2000.0)]),
+        rc.Sines([(500.0, 25.0, 0.0)], offset=-1500.0),
+        rc.SmoothStep(0.1, 0.2, before=0.0, after=2000.0),
+    ],
+)
+def test_a_torque_at_which_the_chain_breaks_is_told(torque):
+    loaded = replace(of_load(motion=rc.AppliedTorque(torque)), tensioner=None)
+    assert loaded.check().warnings == (TORQUE,)
+    assert not replace(loaded, chain=replace(CHAIN, strands=5)).check().warnings
+
+
+def test_a_curve_over_the_speed_and_a_hung_mass_are_told_as_torques_are():
+    curve = of_load(motion=rc.AppliedTorque(-2.0, curve=[(0.0, 0.0), (10.0, -2000.0)]))
+    assert replace(curve, tensioner=None).check().warnings == (
+        TORQUE.replace("torque of", "curve of"),
+    )
+    hung = (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(2000.0))
+    (told,) = rc.open_chain("ANSI 40", hung, links=10).check().warnings
+    assert told.startswith("mass of end 2 = 2000 kg: pulls the chain with 1.962e+04 N, ")
+    assert told.endswith("give it in kg, 1e-3 of g")
+
+
+def drawn_for(teeth):
+    """A round seat with a straight flank, for so many teeth."""
+    seat, slope = 4.03e-3, np.radians(20.0)
+    center = np.array([0.0, CHAIN.pitch / (2.0 * np.sin(np.pi / teeth))])
+    bottom = center - np.array([0.0, seat])
+    tangent = center + seat * np.array([np.cos(slope), -np.sin(slope)])
+    top = tangent + 6e-3 * np.array([np.sin(slope), np.cos(slope)])
+    pieces = [rc.ToothArc(bottom, tangent, center), rc.ToothLine(tangent, top)]
+    return rc.CustomTooth(pieces, tip_diameter=75e-3)
+
+
+@pytest.mark.parametrize(("teeth", "depth"), [(18, 2.1), (19, 4.1), (20, 6.1)])
+def test_a_tooth_drawn_for_another_number_of_teeth_is_told(teeth, depth):
+    def told(teeth):
+        drive = rc.two_sprocket_drive("ANSI 40", teeth=(17, teeth), links=60, profile=drawn_for(17))
+        return drive.check().warnings
+
+    assert told(17) == ()
+    assert told(teeth) == (
+        f"profile of sprocket 2: a seated bushing stands {depth} mm below the pitch circle of "
+        f"{teeth} teeth; draw the pieces for this tooth number",
+    )
+
+
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+def test_an_accuracy_that_does_not_resolve_the_contacts_of_a_drive_is_told(hinges):
+    drive = rc.paper_drive(25.0, hinges=hinges)
+    with pytest.warns(rc.RustchainWarning) as caught:
+        rc.Simulation(drive, solver=rc.Solver(accuracy=1e-5))
+    (told,) = [str(warning.message) for warning in caught]
+    assert told == (
+        "solver.accuracy = 1e-05 m: steps no longer resolve contacts of 1e-6 m; take 1e-8 or less"
+    )
+    # The suite makes an error of any warning.
+    rc.Simulation(drive, solver=rc.Solver(accuracy=1e-7))
+    rc.Simulation(drive, solver=rc.Solver(accuracy=1e-5, rtol=1e-7, atol=1e-7))
+
+
 def told_of_speeds(drive):
     return [text for text in drive.check().warnings if " m/s" in text and "rpm" in text]
 
@@ -108,7 +188,7 @@ def test_an_initial_speed_in_revolutions_per_minute_is_told():
     [
         (rc.Hertz(friction=rc.Coulomb(3.0)), "force_law.friction.coefficient = 3: .*normal force"),
         (rc.Hertz(friction=rc.LuGre(5.0, 0.1)), "force_law.friction.static_coefficient = 5: "),
-        (rc.Hertz(film=rc.LubricantFilm(100.0)), "force_law.film.viscosity = 100 Pa s: .*mPa s"),
+        (rc.Hertz(film=rc.LubricantFilm(20.0)), "force_law.film.viscosity = 20 Pa s: .*mPa s"),
         (rc.Linear(stiffness=1e20), r"force_law.stiffness = 1e\+20 N/m: .*give it in N/m"),
         (rc.Linear(stiffness=1e-3), "force_law.stiffness = 0.001 N/m"),
     ],

@@ -212,3 +212,32 @@ def test_a_speed_in_rpm_goes_wherever_a_speed_goes():
     assert rc.Simulation(wheel).velocities[0, 2] == pytest.approx(speed)
     with pytest.raises(rc.InvalidInput, match=r"rpm\(speed\): got 'x'; expected finite numbers"):
         rc.rpm("x")
+
+
+def function(t):
+    return t
+
+
+ANCHOR = (0.0, 0.0)
+MECHANISM = rc.Mechanism()
+NOT_SAMPLED = {
+    "speed": (lambda: rc.PrescribedSpeed(function), "Table, or call set_speed with a number in a"),
+    "torque": (lambda: rc.AppliedTorque(function), "Table, or call set_torque with a number in a"),
+    "curve": (lambda: rc.AppliedTorque(0.0, curve=function), "rows or a Table; sample it into a T"),
+    "velocity": (lambda: rc.AnchoredEnd(ANCHOR, velocity=function), "sample it into a Table"),
+    "component": (lambda: rc.AnchoredEnd(ANCHOR, (function, 0.0)), "sample it into a Table"),
+    "set_speed": (lambda: rc.Simulation(rc.paper_drive()).set_speed(1, function), "set_speed with"),
+    "angle": (
+        lambda: MECHANISM.add_driver("d", "ground", "b", angle=function),
+        "Spline, Sines or SmoothStep; sample it into a Spline",
+    ),
+    "force": (lambda: MECHANISM.add_force("f", "b", (function, 0.0)), "sample it into a Table"),
+    "by speed": (lambda: MECHANISM.add_torque("t", "b", by_speed=function), "rows or a Table"),
+}
+
+
+@pytest.mark.parametrize("what", NOT_SAMPLED)
+def test_a_python_function_is_no_signal(what):
+    call, remedy = NOT_SAMPLED[what]
+    with pytest.raises(rc.InvalidInput, match=f"is a Python function; expected .*{remedy}"):
+        call()

@@ -4,11 +4,13 @@ import json
 import os
 import pickle
 import random
+import shutil
 import signal
 import subprocess
 import sys
 import time
 import weakref
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -259,6 +261,24 @@ def test_memory_is_a_size_or_bytes(memory, tmp_path):
     assert rc.Simulation(rc.paper_drive()).run(**run, memory=memory).success
 
 
+def test_more_rows_than_the_disc_has_room_for_are_refused(tmp_path, monkeypatch):
+    simulation = rc.Simulation(rc.paper_drive())
+    long = {"duration": 1e-2, "report_step": 1e-5, "out": tmp_path / "run.nc", "progress": False}
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=3e6))
+    told = (
+        r"report_step = 1e-05: gives 1e\+03 rows .* where the disc has 0\.00279 GiB free: take 2\."
+    )
+    with pytest.raises(rc.InvalidInput, match=told):
+        simulation.run(**long)
+    assert simulation.time == 0.0
+    assert list(tmp_path.iterdir()) == []
+    # A run that a condition ends may have any duration; the file that it replaces gives room.
+    assert simulation.run(**long, stop=rc.TimeReached(1e-3)).status == "stopped"
+    assert simulation.run(**long, callback=lambda _: False).success
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=1e6))
+    assert simulation.run(**long).success
+
+
 def test_memory_without_a_file_is_refused():
     with pytest.raises(rc.InvalidInput, match="is for runs with a file; pass out= too"):
         rc.Simulation(rc.paper_drive()).run(1e-3, memory="1 MB", progress=False)
@@ -330,7 +350,7 @@ import rustchain as rc
 
 run = rc.Simulation(rc.paper_drive(25.0)).run
 print("begins", flush=True)
-run(20.0, 1e-5, record=("hinges", "teeth", "sprockets", "bodies", "energy"), out=sys.argv[1],
+run(5.0, 1e-5, record=("hinges", "teeth", "sprockets", "bodies", "energy"), out=sys.argv[1],
     memory=sys.argv[2], progress=False)
 """
 
@@ -376,6 +396,9 @@ def test_a_killed_run_leaves_all_rows_that_were_written(tmp_path):
 FILLS = """
 import resource, sys
 import rustchain as rc
+import rustchain.simulation.run as sizes
+
+sizes._free_space = lambda out: float("inf")  # by which the run would be refused
 
 if len(sys.argv) > 3:
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[3]),) * 2)
@@ -456,7 +479,7 @@ def ring():
     os.kill(os.getpid(), signal.SIGINT)
 
 threading.Thread(target=ring, daemon=True).start()
-result = simulation.run(1000.0, 1e-5, out=sys.argv[1], memory="20 MB", progress=False)
+result = simulation.run(10.0, 1e-5, out=sys.argv[1], memory="20 MB", progress=False)
 print(result.status, len(result.time), simulation.time)
 """
 

@@ -51,6 +51,19 @@ def test_a_waterfall_has_each_order_at_its_place_whatever_the_number_of_revoluti
     assert figure.axes[1].get_ylabel() == "amplitude [µm]"
 
 
+def test_a_waterfall_over_numbers_of_teeth_has_the_orders_of_all_and_no_line():
+    cases = [{"speed": float(teeth)} for teeth in (17, 19)]
+    found = [FakeResult(17.0, 2.0), FakeResult(19.0, 2.0)]
+    assert len(draw_waterfall(waterfall(cases, found)).axes[0].lines) == 4
+    found[1].found.attrs["tooth_order"] = 19
+    axes = draw_waterfall(waterfall(cases, found)).axes[0]
+    values = axes.collections[0].get_array().reshape(2, -1)
+    assert values.shape[1] == round(2 * 4.5 * 19)
+    orders = 0.25 + 0.5 * np.arange(values.shape[1])
+    np.testing.assert_allclose(orders[values.argmax(axis=1)], [17.0, 19.0], atol=0.75)
+    assert len(axes.lines) == 0
+
+
 def test_a_waterfall_of_a_real_sweep_is_drawn():
     drive = rc.two_sprocket_drive("ANSI 40", (17, 17), links=38, speed=20.0, torque=-3.0)
     sweep = rc.sweep(
@@ -115,6 +128,22 @@ def test_of_many_lines_of_a_sweep_some_are_named():
     assert len(figure.axes[0].lines) == len({line.get_color() for line in figure.axes[0].lines})
     title, labels = legend_of(figure)
     assert (title, len(labels), labels[0], labels[-1]) == ("speed [rad/s]", len(CYCLE), "0", "29")
+
+
+def test_of_a_sweep_what_is_no_number_is_not_drawn():
+    axes = {"speed": (5.0, 10.0)}
+    cases = [{"speed": 5.0}, {"speed": 10.0}]
+    values = [
+        {"drive": rc.paper_drive(), "name": "a", "z": 1j, "peak": k, "on": True} for k in (1, 2)
+    ]
+    figure = draw_sweep(SweepResult(cases, axes, values))
+    assert [cell.get_title("left") or cell.get_title() for cell in figure.axes] == ["peak", "on"]
+    sweep = SweepResult(cases, axes, [{"drive": rc.paper_drive()}] * 2)
+    with pytest.raises(rc.InvalidInput, match="nothing that was measured is a number"):
+        draw_sweep(sweep)
+    html = sweep._repr_html_()
+    assert "<table" in html
+    assert "image/png" not in html
 
 
 def test_a_sweep_over_one_axis_has_no_legend():

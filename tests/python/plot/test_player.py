@@ -1,9 +1,11 @@
 """The player in a headless browser: loads, plays, scrubs, zooms, tells the values of a link."""
 
 import base64
+import json
 import re
 import time
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -44,6 +46,17 @@ def test_positions_in_a_page_are_those_of_the_result_to_a_tenth_of_a_micrometre(
     assert np.abs(places - positions[:, :, :2]).max() < 0.6e-7
     assert np.abs(unpacked(data["angles"]).T - positions[:, :, 2]).max() < 0.6e-6
     assert np.abs(unpacked(data["time"])[0] - RESULT.time).max() < 1e-9
+
+
+def test_a_page_with_nan_in_a_series_is_valid_json():
+    tension = RESULT.array("strand_tension").copy()
+    tension[3] = np.nan
+    result = replace(RESULT, arrays=RESULT.arrays | {"strand_tension": tension})
+    data = player.player_data(result.animate())
+    json.dumps(data, allow_nan=False)
+    block = unpacked(data["series"]["block"])
+    assert block[:2, 3] == pytest.approx(0.0, abs=1e-6)
+    assert block[0, 4] == pytest.approx(tension[4, 0], abs=1e-6)
 
 
 def test_of_too_many_rows_every_second_one_is_left_out(monkeypatch):

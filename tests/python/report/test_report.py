@@ -180,6 +180,20 @@ def test_an_interval_is_students_of_the_means_of_the_parts(result):
     assert figure.spread == pytest.approx((min(parts), max(parts)))
 
 
+def test_the_mean_of_the_parts_is_the_value_of_each_figure_that_has_an_interval():
+    """Of a run-up, in which the parts have unlike numbers of engagements and unlike powers."""
+    speed = rc.Table([(0.0, 5.0), (0.2, 40.0)])
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 17), links=38, speed=speed, torque=-3.0)
+    result = rc.Simulation(drive).run(duration=0.2, record=RECORD, progress=False)
+    parts = [result.summary(start=a, end=b) for a, b in pairwise(np.linspace(0.0, 0.2, 9))]
+    figures = confidence.key_figures(result)
+    for figure in (one for one in figures if one.interval is not None):
+        mean = np.mean([part[figure.name] for part in parts])
+        assert mean == pytest.approx(figure.value, rel=1e-4), figure.name
+    without = {one.name for one in figures if one.interval is None and one.spread is not None}
+    assert {"engagement_force_mean", "efficiency"} <= without
+
+
 def test_the_interval_has_the_mean_of_noise_in_about_95_of_100_cases(result):
     """Batches of white noise about 10 N."""
     rng, hits = np.random.default_rng(11), 0

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+import rustchain.simulation.run as sizes
 from cores import CoreAround, cores_within
 
 GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
@@ -338,6 +339,17 @@ def test_more_rows_than_memory_holds_are_refused():
     with pytest.raises(rc.InvalidInput, match=r"report_step = 1e-12: gives 1e\+09 rows .* GiB"):
         simulation.run(1e-3, report_step=1e-12)
     assert simulation.time == 0.0
+
+
+def test_rows_leave_some_of_the_memory_to_others(monkeypatch):
+    simulation = rc.Simulation(rc.paper_drive())
+    size = 8 * sizes.numbers_of_a_row(simulation, ["teeth"], False)
+    monkeypatch.setattr(sizes, "_memory", lambda: 1e3 * size)
+    simulation.run(7.9e-3, 1e-5, record=["teeth"], energy=False, progress=False)
+    with pytest.raises(
+        rc.InvalidInput, match=r"gives 810 rows .* memory has .* GiB for them: take 1\.0"
+    ):
+        simulation.run(8.1e-3, 1e-5, record=["teeth"], energy=False, progress=False)
 
 
 def test_two_equal_runs_are_equal_whatever_time_they_took():

@@ -181,6 +181,22 @@ def test_check_tells_how_an_open_chain_lies():
     assert "sprocket" not in str(strand().check())
 
 
+def test_the_report_of_an_open_chain_leaves_out_what_it_does_not_have(tmp_path):
+    """A gap to teeth, a ratio of speeds; the sag over a span of zero between ends at one point."""
+    report = strand().check()
+    assert "smallest gap" not in str(report)
+    assert "smallest gap at the start" in str(hoist().check())
+    for fewer in (report, hoist().check()):
+        with pytest.raises(rc.InvalidInput, match=r"speed_ratio: got \d sprockets?; expected two"):
+            _ = fewer.speed_ratio
+    folded = rc.open_chain("ANSI 40", 2 * [rc.AnchoredEnd((0.0, 0.0))], links=40)
+    rows = dict(folded.check().rows())
+    assert (rows["span [mm]"], rows["sag [% of span]"]) == (("0.0000",), ("",))
+    assert "sag" in folded._repr_html_()
+    result = rc.Simulation(folded).run(1e-4, progress=False)
+    result.report(tmp_path / "report.html")
+
+
 def test_what_an_open_chain_cannot_be_is_refused():
     with pytest.raises(rc.InvalidInput, match=r"24 links would do"):
         strand(10, last=rc.AnchoredEnd((0.3, 0.0))).check()

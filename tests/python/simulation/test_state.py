@@ -193,7 +193,7 @@ class Interrupted(CoreAround):
 def test_after_an_interrupted_run_the_state_goes_on_alike(tmp_path):
     with cores_within(Interrupted) as made:
         simulation = rc.Simulation(rc.paper_drive())
-    result = simulation.run(10.0, 1e-5, progress=False)
+    result = simulation.run(5.0, 1e-5, progress=False)
     assert not any(made[0].finished)
     assert simulation.stats["onsets"] > 0
     assert result.status == "interrupted"

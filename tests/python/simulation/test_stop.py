@@ -169,6 +169,7 @@ def test_ideal_hinges_stop_likewise():
         (lambda: stopped(rc.HingeForceAbove(1.0, hinge=39)), "number from 1 to 38"),
         (lambda: stopped(rc.StrandSlack(strand="uper")), "did you mean 'upper'"),
         (lambda: stopped(3), "stop = 3: must be a stop condition"),
+        (lambda: stopped(lambda _: True), "must be .*; a function of your own goes into callback="),
         (lambda: stopped([lambda s: True]), "goes into callback="),
         (lambda: stopped(rc.ToothForceAbove(1.0), record=["hinges"]), "add 'teeth' to record"),
         (lambda: stopped((), callback=3), "callback = 3"),

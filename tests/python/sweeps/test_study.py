@@ -84,6 +84,31 @@ def test_starts_differ_a_little_and_paths_part(study):
     assert float(samples.std("run") / samples.mean("run")) > 1e-3
 
 
+def at_rest():
+    """Return a drive that starts from rest, and a hoist that its torque holds."""
+    start = (0.0, 0.0), (0.02, 20.0)
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, speed=start, torque=-1.0)
+    sprocket = rc.Sprocket(17, motion=rc.AppliedTorque(3.4), load_inertia=1e-3)
+    ends = (rc.AnchoredEnd((-0.16, -0.02), links=50), rc.LoadedEnd(10.0, arm=0.08))
+    hoist = rc.open_chain("ANSI 40", ends, 90, [sprocket])
+    return rc.Scene(drive), rc.Scene(drive, start="static"), rc.Scene(hoist, start="static")
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_sprockets_at_rest_start_with_other_speeds_and_paths_part(place):
+    found = rc.sweep(
+        at_rest()[place],
+        {"replicate": [0, 1, 2, 3]},
+        lambda r: {"start": r.initial_velocities[:, 2], "force": r.peaks.hinge_force.sum()},
+        duration=0.02,
+        progress=False,
+    ).to_xarray()
+    start = np.abs(found["start"]).max("start_0").to_numpy()
+    assert start[0] == 0.0
+    assert ((start[1:] > 1e-8) & (start[1:] < 1e-4)).all()
+    assert len(set(found["force"].to_numpy())) == 4
+
+
 def test_a_study_made_again_has_the_same_numbers(study):
     again = rc.study(PAPER, strand_mean, runs=4, axes={"pretension": [0.0, 50.0]}, **SHORT)
     assert again.samples.equals(study.samples)
@@ -291,6 +316,30 @@ def test_rows_of_numbers_of_any_lengths_have_tables_and_figures():
         "value: speed 10",
     ]
     plt.close("all")
+
+
+def test_an_axis_may_repeat_a_value():
+    axes = {"pretension": [10.0, 10.0], "speed": [9.0, 12.0]}
+    study = rc.study(rc.paper_drive(), lambda result: {"a": [result.time[-1]]}, axes=axes, **BRIEF)
+    table = study.to_pandas()
+    assert [name for name, *_ in table.index] == 4 * ["a_0"]
+    assert [tuple(case) for _, *case in table.index] == [
+        (10.0, 9.0), (10.0, 12.0), (10.0, 9.0), (10.0, 12.0),
+    ]  # fmt: skip
+    np.testing.assert_array_equal(table, study.statistics["a"].to_numpy().reshape(4, 5))
+    assert "<table" in study._repr_html_()
+
+
+@pytest.mark.parametrize("axes", [{}, {"pretension": [10.0, 25.0]}])
+@pytest.mark.parametrize("measured", [{}, np.zeros(0), np.zeros((3, 0))])
+def test_a_study_without_a_number_has_an_empty_table_and_no_figure(measured, axes):
+    study = rc.study(rc.paper_drive(), lambda _: measured, axes=axes, **BRIEF)
+    table = study.to_pandas()
+    assert table.shape == (0, 5)
+    assert list(table.index.names) == ["measure", *axes]
+    with pytest.raises(rc.InvalidInput, match="nothing was measured"):
+        study.plot()
+    assert "<table" in study._repr_html_()
 
 
 def test_a_study_stops_runs_and_calls_back():

@@ -16,6 +16,8 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+from rustchain.sweeps.measure import check_names_of
+from rustchain.sweeps.result import SweepResult
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "three_shafts.toml"
 PAPER = rc.paper_drive()
@@ -207,6 +209,63 @@ def test_a_measured_name_that_is_taken_ends_the_sweep_with_its_first_case(name, 
     assert len(calls) == 1
 
 
+@pytest.mark.parametrize(
+    ("measured", "named"),
+    [
+        ({"value": [1, 2], "value_0": 7}, "measured quantity 'value_0'"),
+        ({"value": np.ones((5, 2)), "value_4": [1, 2]}, "measured quantity 'value_4'"),
+        (np.ones((10, 2)), "parameter or dimension 'value_9_1'"),
+    ],
+)
+def test_a_name_that_a_number_of_an_array_has_in_tables_is_refused(measured, named):
+    """By the sweep with its first case, and by the tables."""
+    calls = []
+
+    def measure(result):
+        calls.append(1)
+        return measured
+
+    axes = {"value_9_1": [0.0, 25.0]}
+    said = f"the {named} and a dimension or a number of the array 'value' have the same name; name"
+    with pytest.raises(rc.InvalidInput, match=said):
+        rc.sweep(lambda value_9_1: rc.paper_drive(value_9_1), axes, measure, threads=1, **SHORT)
+    assert len(calls) == 1
+    found = SweepResult([{"value_9_1": 0.0}], None, [measured])
+    for table in (found.to_xarray, found.to_pandas):
+        with pytest.raises(rc.InvalidInput, match=said):
+            table()
+
+
+def test_names_of_two_cases_may_clash_in_tables():
+    found = SweepResult([{"n": 0}, {"n": 1}], None, [{"a": [1, 2]}, {"a_1": 7}])
+    with pytest.raises(rc.InvalidInput, match="'a_1' and a dimension or a number of the array 'a'"):
+        found.to_pandas()
+
+
+def test_two_measured_names_of_one_text_are_refused():
+    """By the sweep with its first case, and by the tables of two cases."""
+    said = "measure: 1 and '1' are one name in tables"
+    with pytest.raises(rc.InvalidInput, match=said):
+        rc.sweep(PAPER, {"pretension": [0.0]}, lambda _: {1: 2.0, "1": 3.0}, **SHORT)
+    found = SweepResult([{"n": 0}, {"n": 1}], None, [{1: 2.0}, {"1": 3.0}])
+    with pytest.raises(rc.InvalidInput, match=said):
+        found.to_xarray()
+
+
+def test_a_measured_array_with_rows_of_unlike_lengths_has_no_table():
+    found = SweepResult([{"n": 0}], None, [{"a": 1.0, "b": [[1], [2, 3]]}])
+    for table in (found.to_xarray, found.to_pandas):
+        with pytest.raises(rc.InvalidInput, match=r"'b' = \[\[1\], \[2, 3\]\] has rows of"):
+            table()
+
+
+def test_names_that_no_number_of_an_array_has_are_kept():
+    measured = {"a": np.ones((5, 2)), "a_4": 1.0, "a_00": 2.0, "a_5_0": 3.0, "b": [[1], [2, 3]]}
+    check_names_of(measured, {"a_x", "b_0"})
+    columns = SweepResult([{}], None, [{**measured, "b": 0.0}]).to_pandas().columns
+    assert len(columns) == len(set(columns)) == 10 + 4
+
+
 # --- parameters
 
 
@@ -331,7 +390,16 @@ def test_an_unknown_axis_is_refused_at_once_with_the_nearest_name(name, said):
         ("ends.1.1", "drive.ends.1: cannot be changed, for drive.ends is None"),
         ("sprockets.2.speed", "drive.sprockets.2.speed: does not exist; known: .*'motion'"),
         ("guides.1.1", "drive.guides.1: does not exist, for drive.guides is empty"),
-        ("torque", "drive.sprockets.1.motion.torque: does not exist; known: 'speed'"),
+        (
+            "torque",
+            r"drive.sprockets.2.motion is a Free; set the whole of it, sprockets.2.motion to "
+            r"AppliedTorque\(torque=1\), in files {torque = 1}",
+        ),
+        (
+            "links",
+            "it is an argument of two_sprocket_drive, no field of the drive; sweep a function",
+        ),
+        ("adjust", "it is an argument of chain_drive, no field of the drive; sweep a function"),
     ],
 )
 def test_no_name_is_proposed_that_the_drive_does_not_have(name, said):

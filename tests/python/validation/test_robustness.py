@@ -61,7 +61,8 @@ def test_a_scene_that_loses_energy_is_a_failure():
 
 def test_a_run_whose_balance_does_not_close_says_so_once():
     solver = rc.Solver(method="newton", accuracy=1e-4)
-    simulation = rc.Simulation(rc.paper_drive(), solver=solver)
+    with pytest.warns(rc.RustchainWarning, match="solver.accuracy"):
+        simulation = rc.Simulation(rc.paper_drive(), solver=solver)
     with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-[0-9]+ or less") as caught:
         result = simulation.run(DURATION, record=("energy",), progress=False)
     assert len(caught) == 1

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import finite_array, shown
-from rustchain.description.signals import Signal
+from rustchain.description.signals import Signal, refuse_functions
 from rustchain.errors import InvalidInput
 from rustchain.typing import Numbers, Rows
 
@@ -48,6 +48,11 @@ def one_of(name: str, first: str, one: Signal | None, second: str, other: object
     if (one is None) == (other is None):
         msg = f"{first}, {second} of {shown(name)}: exactly one of them must be given"
         raise InvalidInput(msg)
+    for field, given in ((first, one), (second, other)):
+        setter = f"set_{field}" if field in ("speed", "torque") else ""
+        kinds = {"by_speed": "curve", "angle": "position", "position": "position"}
+        kind = kinds.get(field, "signal")
+        refuse_functions(f"{field} of {shown(name)}", given, kind=kind, setter=setter)
     return one if one is not None else other  # type: ignore[return-value]
 
 

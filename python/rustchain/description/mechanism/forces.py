@@ -8,7 +8,7 @@ from rustchain.arguments import finite_number, plain, shown
 from rustchain.description.mechanism.checks import one_of
 from rustchain.description.mechanism.checks import point as point_of
 from rustchain.description.mechanism.parts import GROUND, Force, LoadFunction
-from rustchain.description.signals import Curve, Signal
+from rustchain.description.signals import Curve, Signal, refuse_functions
 from rustchain.errors import InvalidInput
 from rustchain.typing import Numbers, Point
 
@@ -52,7 +52,8 @@ class WithForces:
         body : str
             Name of the body.
         force : (x, y)
-            Components of the force [N], each a number or a function of time.
+            Components of the force [N], each a number, rows of (time, force), or a `Table`,
+            `Spline`, `Sines` or `SmoothStep`.
         point : (float, float)
             Point in the frame of the body [m]; by default the centre of mass.
         follows : bool
@@ -63,6 +64,7 @@ class WithForces:
         if not isinstance(components, tuple) or len(components) != 2:
             msg = f"force of {shown(name)} = {shown(force)}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
+        refuse_functions(f"force of {shown(name)}", *components)
         self.forces = (
             *self.forces,
             Force(
@@ -95,7 +97,7 @@ class WithForces:
             Name of the torque.
         body : str
             Name of the body.
-        torque : float or function of time, optional
+        torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep, optional
             Torque [N m] over time [s], counterclockwise positive.
         by_speed : rows of (speed, torque) or Table, optional
             Torque [N m] over the angular velocity relative to `reaction` [rad/s].

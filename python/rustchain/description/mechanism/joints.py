@@ -234,11 +234,10 @@ class WithJoints:
             Name of the driver.
         body_a, body_b : str
             Names of the bodies; "ground" is the frame that does not move.
-        angle : float or function of time, optional
+        angle : float, Spline, Sines or SmoothStep, optional
             Angle of b minus that of a [rad] over time [s].
-        speed : float or function of time, optional
-            Angular velocity [rad/s] over time [s], from the angle as placed. A function of time is
-            rows, `Table`, `Spline`, `Sines` or `SmoothStep`.
+        speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep, optional
+            Angular velocity [rad/s] over time [s], from the angle as placed.
         """
         motion = one_of(name, "angle", angle, "speed", speed)
         self._join("driven_angle", name, body_a, body_b, motion=motion, by_speed=angle is None)
@@ -266,9 +265,9 @@ class WithJoints:
             Names of the bodies; "ground" is the frame that does not move.
         direction : (float, float)
             Direction of the line in the frame of body a; its length does not matter.
-        position : float or function of time, optional
+        position : float, Spline, Sines or SmoothStep, optional
             Displacement of point b from point a along `direction` [m] over time [s].
-        speed : float or function of time, optional
+        speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep, optional
             Its rate [m/s] over time [s], from the position as placed.
         point_a, point_b : (float, float)
             Points in the frames of the bodies [m]; by default the centres of mass.
