@@ -181,6 +181,16 @@ def test_check_tells_how_an_open_chain_lies():
     assert "sprocket" not in str(strand().check())
 
 
+def test_a_strand_between_coincident_ends_has_the_sag_of_nearly_coincident_ones():
+    def sag(distance):
+        ends = rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((distance, 0.0))
+        return rc.open_chain("ANSI 40", ends, 6).check().sag[0]
+
+    # Three links hang down, three lead up.
+    assert sag(0.0) == pytest.approx(3.0 * 0.0127, rel=1e-9)
+    assert sag(1e-12) == pytest.approx(3.0 * 0.0127, rel=1e-9)
+
+
 def test_what_an_open_chain_cannot_be_is_refused():
     with pytest.raises(rc.InvalidInput, match=r"24 links would do"):
         strand(10, last=rc.AnchoredEnd((0.3, 0.0))).check()
