@@ -305,7 +305,9 @@ def test_a_slack_side_that_is_too_light_is_refused_with_what_it_lacks():
         40,
         [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
     )
-    with pytest.raises(rc.InvalidInput, match=r"end 1 weighs 1\.\d+ N.*58\d\.\d N at end 2"):
+    # A load has no place at an anchored end.
+    lack = r"end 1 weighs 1\.\d+ N.*58\d\.\d N at end 2.*hang more links at end 1"
+    with pytest.raises(rc.InvalidInput, match=lack):
         rc.Simulation(drive, start="static")
 
 
