@@ -34,24 +34,10 @@ impl BeltLine {
         let Some(line) = found else {
             return refuse(&why_no_loop(drive, &listed));
         };
-        line.check_crossings(drive)?;
-        for (place, &i) in line.order.iter().enumerate() {
-            let gap = 360.0 / f64::from(drive.sprockets[i].teeth);
-            let wrap = line.belt.wraps[place].to_degrees();
-            if wrap < gap {
-                return refuse(&format!(
-                    "sprocket {} is wrapped by {wrap:.2} degrees, less than one of its {} tooth gaps, {gap:.2} degrees: move \
-                     it {}",
-                    i + 1,
-                    drive.sprockets[i].teeth,
-                    match drive.sprockets[i].side {
-                        Side::Inside => "outward",
-                        Side::Outside => "into the loop",
-                    }
-                ));
-            }
+        match line.fault(drive, &|| remedy_of_crossing(drive)) {
+            Some(why) => refuse(&why),
+            None => Ok(line),
         }
-        Ok(line)
     }
 
     /// Return the length of a taut chain along the line, in pitches; a wrap has as many pitches as teeth (chords, not arcs).
@@ -73,17 +59,20 @@ impl BeltLine {
         self.order.iter().zip(next).map(|(&a, &b)| [a, b]).collect()
     }
 
-    fn check_crossings(&self, drive: &Drive) -> Result<()> {
+    /// Return the first fault of a loop, if any: strands that cross, a strand that runs into a sprocket, or a wrap below one tooth.
+    ///
+    /// `remedy` of a crossing is called for its message only.
+    fn fault(&self, drive: &Drive, remedy: &dyn Fn() -> String) -> Option<String> {
         let strands = self.strands();
         let name = |i: usize| format!("{}-{}", strands[i][0] + 1, strands[i][1] + 1);
         for (i, span) in self.belt.spans.iter().enumerate() {
             for (j, other) in self.belt.spans.iter().enumerate().skip(i + 1) {
                 if belt::cross(span, other) {
-                    return refuse(&format!(
+                    return Some(format!(
                         "the strands {} and {} cross: {}",
                         name(i),
                         name(j),
-                        remedy_of_crossing(drive)
+                        remedy()
                     ));
                 }
             }
@@ -94,7 +83,7 @@ impl BeltLine {
                 let distance = belt::distance_from(span, sprocket.center);
                 let reach = outside_radius(drive, sprocket) + drive.chain.contact_radius();
                 if distance < reach {
-                    return refuse(&format!(
+                    return Some(format!(
                         "the strand {} runs into sprocket {}: it passes its centre at {:.3} mm, and teeth and bushings need \
                          {:.3} mm",
                         name(i),
@@ -105,7 +94,32 @@ impl BeltLine {
                 }
             }
         }
-        Ok(())
+        self.short_wrap(drive)
+    }
+
+    /// Return whether [`BeltLine::of`] accepts this loop.
+    fn is_accepted(&self, drive: &Drive) -> bool {
+        self.fault(drive, &String::new).is_none()
+    }
+
+    /// Return the fault of the first wrap below one tooth, if any.
+    fn short_wrap(&self, drive: &Drive) -> Option<String> {
+        self.order.iter().zip(&self.belt.wraps).find_map(|(&i, wrap)| {
+            let sprocket = &drive.sprockets[i];
+            let (gap, wrap) = (360.0 / f64::from(sprocket.teeth), wrap.to_degrees());
+            (wrap < gap).then(|| {
+                format!(
+                    "sprocket {} is wrapped by {wrap:.2} degrees, less than one of its {} tooth gaps, {gap:.2} degrees: move \
+                     it {}",
+                    i + 1,
+                    sprocket.teeth,
+                    match sprocket.side {
+                        Side::Inside => "outward",
+                        Side::Outside => "into the loop",
+                    }
+                )
+            })
+        })
     }
 }
 
@@ -217,18 +231,21 @@ fn why_no_loop(drive: &Drive, listed: &[usize]) -> String {
 /// Return what to change so that no strands cross: the order, or the side of one sprocket.
 fn remedy_of_crossing(drive: &Drive) -> String {
     let order = suggested_order(drive);
+    if !order.is_empty() {
+        return format!("list the sprockets in the order in which the chain meets them{order}");
+    }
     match sprocket_to_flip(drive) {
-        Some((i, side)) if order.is_empty() => format!(
+        Some((i, side)) => format!(
             "give sprocket {} side=\"{}\" (it has side=\"{}\"), or move it to the other side of the chain",
             i + 1,
             side.name(),
             drive.sprockets[i].side.name()
         ),
-        _ => format!("list the sprockets in the order in which the chain meets them{order}"),
+        None => "check the order, centres and sides of the sprockets".into(),
     }
 }
 
-/// Return the first sprocket with whose other side a chain in the listed order has no crossings, and that side.
+/// Return the first sprocket with whose other side a chain in the listed order has a belt line, and that side.
 fn sprocket_to_flip(drive: &Drive) -> Option<(usize, Side)> {
     let listed: Vec<usize> = (0..drive.sprockets.len()).collect();
     let mut flipped = drive.clone();
@@ -240,7 +257,7 @@ fn sprocket_to_flip(drive: &Drive) -> Option<(usize, Side)> {
         };
         flipped.sprockets[i].side = other;
         let found = loop_in(&flipped, &listed).or_else(|| loop_in(&flipped, &reversed(&listed)));
-        if found.is_some_and(|line| line.check_crossings_quietly(&flipped)) {
+        if found.is_some_and(|line| line.is_accepted(&flipped)) {
             return Some((i, other));
         }
         flipped.sprockets[i].side = side;
@@ -248,7 +265,7 @@ fn sprocket_to_flip(drive: &Drive) -> Option<(usize, Side)> {
     None
 }
 
-/// Return the text that names the shortest loop in another order without crossings; empty for none, or for too many sprockets.
+/// Return the text that names the shortest belt line in another order; empty for none, or for too many sprockets.
 fn suggested_order(drive: &Drive) -> String {
     let n = drive.sprockets.len();
     if n > MOST_TO_ORDER {
@@ -263,7 +280,7 @@ fn suggested_order(drive: &Drive) -> String {
         let shorter = best
             .as_ref()
             .is_none_or(|best| line.belt.length < best.belt.length);
-        if shorter && line.check_crossings_quietly(drive) {
+        if shorter && line.is_accepted(drive) {
             best = Some(line);
         }
     });
@@ -271,23 +288,6 @@ fn suggested_order(drive: &Drive) -> String {
         let names: Vec<String> = line.order.iter().map(|i| (i + 1).to_string()).collect();
         format!(": {} would do", names.join(", "))
     })
-}
-
-impl BeltLine {
-    /// Return the belt line without the proposal of another order.
-    fn check_crossings_quietly(&self, drive: &Drive) -> bool {
-        let spans = &self.belt.spans;
-        let strands = self.strands();
-        let free = |i: usize| {
-            let own = |k: usize| strands[i].contains(&k);
-            drive.sprockets.iter().enumerate().all(|(k, sprocket)| {
-                let reach = outside_radius(drive, sprocket);
-                own(k) || belt::distance_from(&spans[i], sprocket.center) >= reach
-            })
-        };
-        (0..spans.len())
-            .all(|i| free(i) && (i + 1..spans.len()).all(|j| !belt::cross(&spans[i], &spans[j])))
-    }
 }
 
 /// Call `take` with every order that keeps the first `fixed` entries.

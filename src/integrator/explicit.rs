@@ -80,7 +80,7 @@ impl Adams {
         Ok(Step {
             start: begin,
             end: self.time,
-            order: self.history.last_order,
+            degree: self.history.last_order,
         })
     }
 
@@ -427,7 +427,7 @@ mod tests {
         for failures in [1, 2, 3] {
             let mut adams = adams.clone();
             let step = adams.step(&mut Disturbed(failures)).unwrap();
-            assert_eq!(step.order == 1, failures == 3, "{failures}");
+            assert_eq!(step.degree == 1, failures == 3, "{failures}");
             assert!(adams.counts().rejected >= rejected + u64::from(failures));
         }
     }

@@ -92,7 +92,7 @@ impl Adams {
         Ok(Step {
             start: begin,
             end: self.time,
-            order: self.history.last_order,
+            degree: self.history.last_order - 1,
         })
     }
 

@@ -11,8 +11,9 @@ pub struct Step {
     pub start: f64,
     /// Time at the end of the step \[s\].
     pub end: f64,
-    /// Order of the predictor.
-    pub order: usize,
+    /// Degree of the polynomial through slopes at the end of the step, at its start and at the starts before, whose integral the corrector
+    /// takes: the order of the predictor, and one less with Newton's method.
+    pub degree: usize,
 }
 
 /// Reason why no step is possible.

@@ -237,8 +237,15 @@ fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forwa
         let chord = laid.hinges[to] - laid.hinges[from];
         let span = chord.norm();
         let length: f64 = pitches[from..to].iter().sum();
-        let across = turned_left(chord / span);
-        let off = (from..=to).map(|k| (laid.hinges[k] - laid.hinges[from]).dot(&across).abs());
+        let off = (from..=to).map(|k| {
+            let from_end = laid.hinges[k] - laid.hinges[from];
+            // Coincident ends have no chord: the sag is the largest distance from them.
+            if span > 0.0 {
+                from_end.dot(&turned_left(chord / span)).abs()
+            } else {
+                from_end.norm()
+            }
+        });
         spans.push(span);
         slack.push(length - span);
         sag.push(off.fold(0.0, f64::max));

@@ -167,9 +167,14 @@ impl MechanismDynamics {
         self.work.derivative = derivative;
     }
 
-    /// Return the body or bristle of a component of the state and the largest forces, as text.
+    /// Return the body or bristle of a component of the state, or that it is an energy sum, and the largest forces, as text.
     pub(super) fn describe_culprit(&self, component: usize) -> String {
-        let part = self.model.owner_of(component % self.model.unknowns());
+        let unknowns = self.model.unknowns();
+        let part = if component < 2 * unknowns {
+            self.model.owner_of(component % unknowns)
+        } else {
+            "the energy balance".into()
+        };
         format!("{part}{}", self.hardest_pressed())
     }
 

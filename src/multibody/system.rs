@@ -239,5 +239,15 @@ mod tests {
         assert_eq!(dynamics.prescribed_energy(), 0.0);
         // m v²/2 of the body at any speed.
         assert_eq!(dynamics.kinetic_energy_at(3.0), 9.0);
+        // An error of the sums is one of no body.
+        for component in 0..dynamics.model.dimension() {
+            let said = dynamics.describe_culprit(component);
+            let expected = if component < 6 {
+                "body \"block\""
+            } else {
+                "the energy balance"
+            };
+            assert!(said.starts_with(expected), "{component}: {said}");
+        }
     }
 }

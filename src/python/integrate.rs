@@ -61,7 +61,9 @@ fn check_integration(
     times: &[f64],
     unknowns: usize,
 ) -> Result<()> {
-    if t_span.1.partial_cmp(&t_span.0) != Some(std::cmp::Ordering::Greater) {
+    check::finite("t_span (start)", t_span.0, "s")?;
+    check::finite("t_span (end)", t_span.1, "s")?;
+    if t_span.1 <= t_span.0 {
         let shown = format!("{t_span:?}");
         return Err(Error::invalid("t_span", shown, "must end after it begins"));
     }

@@ -17,7 +17,6 @@ use serde::de::DeserializeOwned;
 
 pub use energy::{Energy, PowerSum};
 pub use energy_quadrature::EnergyQuadrature;
-pub(crate) use energy_quadrature::Wanted;
 pub use peaks::Peaks;
 pub use recording::{Channel, Recording, Row, Values};
 

@@ -99,7 +99,8 @@ fn run(
     while adams.time() < end {
         let implicit = adams.is_implicit();
         let step = adams.step_second_order(system).unwrap();
-        look(&adams, step.end - step.start, step.order, implicit);
+        let order = step.degree + usize::from(implicit);
+        look(&adams, step.end - step.start, order, implicit);
     }
     adams
 }

@@ -257,7 +257,7 @@ fn fixed_order_errors(problem: Problem, order: usize, step_size: f64) -> (f64, f
     let mut y = vec![0.0; problem.dimension];
     while adams.time() < END {
         let step = adams.step(&mut prepared).unwrap();
-        assert_eq!(step.order, order, "{} at t = {}", problem.name, step.start);
+        assert_eq!(step.degree, order, "{} at t = {}", problem.name, step.start);
         assert!((step.end - step.start - step_size).abs() < 1e-12);
         at_steps = at_steps.max(problem.error(step.end, adams.y()));
         let middle = 0.5 * (step.start + step.end);

@@ -45,7 +45,7 @@ fn steps(
         .map(|_| {
             let step = adams.step(system).unwrap();
             // The size as chosen, not the difference of two rounded times.
-            (adams.step_size(), step.order, adams.y().to_vec())
+            (adams.step_size(), step.degree, adams.y().to_vec())
         })
         .collect()
 }

@@ -1,10 +1,9 @@
-//! Energy dissipated and external work of a drive: powers along the path of each step.
+//! Energy dissipated and external work of a drive: powers at the ends of each step and along its path.
 //!
 //! The path is the cubic through values and slopes at both ends of the step, whatever the integrator's order.
 
-use super::{Dynamics, Powers};
+use super::Dynamics;
 use crate::integrator::{Adams, Step};
-use crate::system::Wanted;
 
 impl Dynamics {
     /// Divide each step into `fineness` panels from now on, a power of two; 0: as many as the powers need.
@@ -34,9 +33,9 @@ impl Dynamics {
         let rest = Step {
             start: now,
             end,
-            order: 1,
+            degree: 1,
         };
-        (self.quadrature).add_step(&rest, at_end, |_, _, t| powers_at(t));
+        (self.quadrature).add_step(&rest, at_end, |_, t| powers_at(t));
     }
 
     /// Begin the next step with the powers at the present state of `adams`, while energy is kept: they may have jumped at a start.
@@ -130,16 +129,9 @@ impl Dynamics {
         let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
         // `rates` is scratch for the rates of bristles.
         let kernels = &mut self.kernels;
-        (self.quadrature).add_step(step, self.power_at_end, |wanted, part, t| {
+        (self.quadrature).add_step(step, self.power_at_end, |part, t| {
             adams.write_cubic(part, y);
-            let y = &y[..dimension];
-            match wanted {
-                Wanted::All => kernels.powers(model, memory, t, y, rates),
-                Wanted::External => Powers {
-                    external_work: kernels.external_power(model, memory, t, y, rates),
-                    ..Powers::default()
-                },
-            }
+            kernels.powers(model, memory, t, &y[..dimension], rates)
         });
     }
 }

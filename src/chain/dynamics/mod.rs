@@ -128,12 +128,6 @@ impl Dynamics {
         self.kernels.last_powers(&self.model, t, y)
     }
 
-    /// Return the external power at (`t`, `y`) \[W\], evaluated alone. Forces of contacts are then not those of an evaluation.
-    pub fn external_power(&mut self, t: f64, y: &[f64]) -> f64 {
-        let rates = &mut self.slope[self.model.coordinates..];
-        (self.kernels).external_power(&self.model, &self.memory, t, y, rates)
-    }
-
     /// Return the energies at the last evaluation.
     #[must_use]
     pub fn energy(&self) -> Energy {

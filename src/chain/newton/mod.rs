@@ -189,12 +189,12 @@ impl NewtonMatrix {
         lack: Option<&[Numbers; 2]>,
     ) {
         let changes = &mut self.force_changes;
-        match (&mut self.double, &mut self.single) {
-            (Some(double), _) if self.is_double => {
-                double.correct(model, instructions, residual, (lack, changes));
-            }
-            (_, Some(single)) => single.correct(model, instructions, residual, (lack, changes)),
-            _ => {}
+        if self.is_double
+            && let Some(double) = &mut self.double
+        {
+            double.correct(model, instructions, residual, (lack, changes));
+        } else if let Some(single) = &mut self.single {
+            single.correct(model, instructions, residual, (lack, changes));
         }
     }
 
@@ -233,10 +233,12 @@ impl NewtonMatrix {
     /// Write the corrections of the velocities of the links' ends with the last correction; with `FRICTION` of angular velocities too.
     pub(crate) fn write_corrected_ends<const FRICTION: bool>(&mut self, set: InstructionSet) {
         let ends = &mut self.corrected;
-        match (&self.double, &self.single) {
-            (Some(double), _) if self.is_double => double.write_ends::<FRICTION>(set, ends),
-            (_, Some(single)) => single.write_ends::<FRICTION>(set, ends),
-            _ => {}
+        if self.is_double
+            && let Some(double) = &self.double
+        {
+            double.write_ends::<FRICTION>(set, ends);
+        } else if let Some(single) = &self.single {
+            single.write_ends::<FRICTION>(set, ends);
         }
     }
 }

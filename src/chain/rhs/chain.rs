@@ -1,6 +1,5 @@
 //! The chain in one pass: directions and ends of the links, hinges between them, and centres of the bushings.
 
-mod bushings;
 mod ends;
 mod hinges;
 mod losses;
@@ -15,7 +14,6 @@ use crate::math::simd::{
 use ends::{Arms, LinkEnd, Links, behind_last, last_links};
 use hinges::Hinges;
 
-pub(crate) use bushings::PlaceBushings;
 pub(crate) use hinges::{HingeFriction, Joints, Lubricant};
 pub(crate) use rollers::{EvaluateRollers, Rollers};
 

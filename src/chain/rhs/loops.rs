@@ -2,8 +2,7 @@
 
 use super::bristles::{BristleState, Bristling, ContactKind};
 use super::chain::{
-    ChainFound, EvaluateHinges, EvaluateRollers, HingeFriction, Joints, Lubricant, PlaceBushings,
-    RepeatBushings,
+    ChainFound, EvaluateHinges, EvaluateRollers, HingeFriction, Joints, Lubricant, RepeatBushings,
 };
 use super::teeth::{EvaluateTeeth, TeethFound, ToothFriction};
 use super::tooth_constants::{GapForm, ToothConstants};
@@ -102,27 +101,6 @@ impl Kernels {
         } else {
             join!(false, false, false, false)
         }
-    }
-
-    /// Place the candidates of sprocket `s` among the bushings, and turn all sprockets, without hinges.
-    pub(super) fn place_bushings(&mut self, model: &Model, s: usize, y: &[f64]) {
-        let n = model.links;
-        let (q, v) = y.split_at(model.coordinates);
-        let part = |of: usize| {
-            if of < 3 {
-                &q[of * n..][..n]
-            } else {
-                &v[(of - 3) * n..][..n]
-            }
-        };
-        self.instructions.run(PlaceBushings {
-            candidates: &self.candidates.sprockets[s],
-            links: [0, 1, 2, 3, 4, 5].map(part),
-            overhang: self.candidates.overhang,
-            constants: &self.links,
-            arrays: &mut self.chain,
-        });
-        self.turn_sprockets();
     }
 
     /// Evaluate the rollers on their bushings with the loop instance for the options of `model`.

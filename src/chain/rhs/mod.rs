@@ -34,7 +34,7 @@ use tooth_constants::ToothConstants;
 
 use crate::chain::contact::{Candidates, ImpactMemory, Seated};
 use crate::chain::loads::{SprocketLoad, outside_powers};
-use crate::chain::model::{Model, OpenEnds, Rotation};
+use crate::chain::model::{Model, OpenEnds};
 use crate::chain::motion::sprocket_motion;
 use crate::chain::newton::NewtonMatrix;
 use crate::chain::powers::{Losses, Powers};
@@ -209,36 +209,6 @@ impl Kernels {
         }
         self.write_gaps(writes_gaps);
         self.last_powers(model, t, y)
-    }
-
-    /// Return the external power at (`t`, `y`), inside a step whose last evaluation was of all contacts. `bristle_rates` as for
-    /// [`Self::evaluate_joints`].
-    ///
-    /// Where chain and rollers do no work on moving ends, of all contacts only those with the teeth of turning sprockets of prescribed speed
-    /// are evaluated.
-    pub(crate) fn external_power(
-        &mut self,
-        model: &Model,
-        memory: &ImpactMemory,
-        t: f64,
-        y: &[f64],
-        bristle_rates: &mut [f64],
-    ) -> f64 {
-        if model.ends.is_some() || model.rollers.is_some() {
-            return (self.powers(model, memory, t, y, bristle_rates)).external_work;
-        }
-        self.place_sprockets(model, t, y);
-        self.keep_powers(false);
-        let writes_gaps = self.write_gaps(false);
-        self.spin_bushings(model, y);
-        for (s, sprocket) in model.sprockets.iter().enumerate() {
-            if matches!(sprocket.rotation, Rotation::Prescribed(_)) && self.poses[s].spin != 0.0 {
-                self.place_bushings(model, s, y);
-                self.evaluate_teeth_of(model, s, y, bristle_rates);
-            }
-        }
-        self.write_gaps(writes_gaps);
-        self.outside_powers(model, t, y)[1]
     }
 
     /// Evaluate the forces of all contacts at `y`, and the losses where powers are kept.

@@ -219,7 +219,8 @@ impl ContactStates {
     pub(crate) fn roll_back(&mut self, motion: &StepMotion, t: f64, onsets: &mut Onsets) {
         let (model, at_end) = (motion.model, t == motion.adams.time());
         for k in 0..self.memory.len() {
-            let contact = &model.contacts[model.sides[k].0];
+            let (number, _) = model.sides[k];
+            let contact = &model.contacts[number];
             let side_state = self.side_states[k];
             let before = motion.memory_at_start[k];
             let remembers = self.memory[k].is_in_contact();
@@ -231,7 +232,12 @@ impl ContactStates {
                     let rate = side_state.contact.penetration_rate;
                     self.begin_contact(model, k, side_state.piece, rate);
                     self.note_place(k, side_state.place);
-                    onsets.numbers.add(contact.is_at_minimum(self.memory[k]));
+                    let onset = Onset {
+                        time: t,
+                        contact: number,
+                        velocity: rate,
+                    };
+                    onsets.add(onset, contact.is_at_minimum(self.memory[k]));
                 }
                 continue;
             }

@@ -75,6 +75,8 @@ fn passed_on(pressure_angle: f64, teeth: u32) -> f64 {
 /// 120°/N is that of a new chain of ANSI B29.1; other forms have similar angles.
 fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
     let (ends, chain) = (drive.ends.as_ref()?, &drive.chain);
+    // Without sprockets there are no teeth.
+    drive.sprockets.first()?;
     let (first, last) = (
         *layout.strand_pitches.first()?,
         *layout.strand_pitches.last()?,
@@ -105,14 +107,19 @@ fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
         (1, 0)
     };
     let needed = shares * weight(heavy);
+    let or_a_load = match ends[light] {
+        ChainEnd::Anchored { .. } => "",
+        _ => " or a load",
+    };
     (weight(light) < needed).then(|| {
         format!(
             "the strand at end {} weighs {:.2} N, and without friction the teeth take the {:.1} N at end {} only where about {needed:.2} N \
-             hold the chain down there: hang more links or a load at end {}",
+             hold the chain down there: hang more links{} at end {}",
             light + 1,
             weight(light),
             weight(heavy),
             heavy + 1,
+            or_a_load,
             light + 1
         )
     })
@@ -140,7 +147,31 @@ pub(super) fn slid(
 
 #[cfg(test)]
 mod tests {
-    use super::passed_on;
+    use super::{causes, passed_on};
+    use crate::chain::contact::tests::drive;
+    use crate::drive::{Chain, ChainEnd, Drive};
+    use crate::geometry::Vec2;
+    use crate::layout::InitialConfiguration;
+
+    #[test]
+    fn a_chain_without_sprockets_has_no_cause_on_teeth() {
+        let closed = drive();
+        let drive = Drive {
+            chain: Chain {
+                links: 6,
+                ..closed.chain
+            },
+            sprockets: Vec::new(),
+            ends: Some([
+                ChainEnd::anchored(Vec2::zeros()),
+                ChainEnd::loaded(5.0, 1e-3),
+            ]),
+            ..closed
+        };
+        let (_, layout) = InitialConfiguration::generate(&drive).unwrap();
+        let said = causes(&drive, &layout);
+        assert!(said.contains("far from static equilibrium"), "{said}");
+    }
 
     #[test]
     fn a_tooth_of_seventeen_passes_on_three_fifths_of_a_tension() {

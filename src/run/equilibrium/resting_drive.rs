@@ -173,9 +173,16 @@ impl Resting for RestingDrive {
         let mut excess: f64 = 0.0;
         for i in 0..n {
             let ([_, front], [rear, _]) = (ends(i), ends((i + 1) % n));
-            let apart = (front - rear).norm() / (HINGE_SHARE * model.hinges.clearance);
-            let moved = front.norm() / (largest_move * 2.0 * model.half_pitch);
-            excess = excess.max(apart).max(moved);
+            let moved = |end: Vec2| end.norm() / (largest_move * 2.0 * model.half_pitch);
+            // An open hinge has no clearance to keep: its two ends move independently. Ideal hinges are closed after the move.
+            let joined = if model.hinge_is_open(i) {
+                moved(rear)
+            } else if model.hinges.ideal {
+                0.0
+            } else {
+                (front - rear).norm() / (HINGE_SHARE * model.hinges.clearance)
+            };
+            excess = excess.max(joined).max(moved(front));
             if let Some(rollers) = &model.rollers
                 && model.bushing_is_there(i)
             {

@@ -1,8 +1,8 @@
-//! Interpolation of the powers in the middle of a step, and the tests of it.
+//! Interpolation of the dissipated powers in the middle of a step, and the tests of it.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Wanted, in_parts_of};
+use super::in_parts_of;
 use crate::integrator::Step;
 use crate::system::PowerSum;
 
@@ -24,12 +24,12 @@ pub(super) const BEFORE: usize = 3;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Predicted<P> {
     pub(super) powers: P,
-    /// Whether the estimated errors of dissipated and external power are accepted.
-    pub(super) is_accurate: [bool; 2],
+    /// Whether the estimated error of the dissipated power is accepted.
+    pub(super) is_accurate: bool,
 }
 
 impl<P: PowerSum> Predicted<P> {
-    /// Predict powers with errors of at most `accepted` \[W\], from those at both `ends` of the step and at places before it \[parts of the
+    /// Predict powers, the dissipated one with an error of at most `accepted` \[W\], from those at both `ends` of the step and at places before it \[parts of the
     /// step\], the earliest first. Without the earliest, a cubic is left.
     pub(super) fn new(before: [(f64, &P); BEFORE], ends: [&P; 2], accepted: f64) -> Self {
         let [(a, earliest), (b, earlier), (c, latest)] = before;
@@ -39,16 +39,13 @@ impl<P: PowerSum> Predicted<P> {
         // The weight of node i in the quartic is that in the cubic times (x - x0)/(xi - x0). The difference of both weights is
         // the one in the quartic times (x - xi)/(x - x0).
         let over = 1.0 / (0.5 - a);
-        let mut error = [0.0; 2];
+        let mut error = 0.0;
         for ((weight, place), node) in weights.iter().zip(places).zip(nodes) {
-            let share = weight * (0.5 - place) * over;
-            for (error, total) in error.iter_mut().zip(node.totals()) {
-                *error += share * total;
-            }
+            error += weight * (0.5 - place) * over * node.totals()[0];
         }
         Self {
             powers: P::combined([0, 1, 2, 3, 4].map(|i| (weights[i], nodes[i]))),
-            is_accurate: error.map(|error| error.abs() <= accepted),
+            is_accurate: error.abs() <= accepted,
         }
     }
 }
@@ -57,15 +54,9 @@ impl<P: PowerSum> Predicted<P> {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "P: PowerSum")]
 pub(super) struct Interpolation<P> {
-    /// Times \[s\] and powers at the starts of the last steps, and in their middles where all powers were evaluated; the latest last.
+    /// Times \[s\] and powers at the starts of the last steps, and in their middles where powers were evaluated; the latest last.
     before: [Option<(f64, P)>; BEFORE],
-    /// Permits of the dissipated and of the external power.
-    permits: [Permit; 2],
-}
-
-/// Interpolated steps that the last test of a power permits, and those of them that are left.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-struct Permit {
+    /// Steps in a row that the last test permits to interpolate, and those of them that are left.
     permitted: u32,
     left: u32,
 }
@@ -85,47 +76,22 @@ impl<P: PowerSum> Interpolation<P> {
         self.before[BEFORE - 1] = Some((t, powers));
     }
 
-    /// Return the powers to evaluate in the middle of a step, `None` without any; use the permits of those that are not evaluated.
-    pub(super) fn wanted(&mut self, predicted: &Predicted<P>) -> Option<Wanted> {
-        let [dissipated, external] = [0, 1].map(|i| {
-            let permitted = self.permits[i].left > 0;
-            predicted.is_accurate[i] && permitted
-        });
-        self.permits[0].left -= u32::from(dissipated);
-        self.permits[1].left -= u32::from(dissipated && external);
-        match (dissipated, external) {
-            (true, true) => None,
-            (true, false) => Some(Wanted::External),
-            (false, _) => Some(Wanted::All),
-        }
+    /// Return whether the predicted powers are accurate and permitted; use a permit if they are.
+    pub(super) fn permits(&mut self, predicted: &Predicted<P>) -> bool {
+        let permits = predicted.is_accurate && self.left > 0;
+        self.left -= u32::from(permits);
+        permits
     }
 
-    /// Compare evaluated powers with the predicted ones, if these were accurate by their estimate: twice as many steps may follow, or none.
-    pub(super) fn test(
-        &mut self,
-        predicted: &Predicted<P>,
-        evaluated: Wanted,
-        error: [f64; 2],
-        accepted: f64,
-    ) {
-        let is_evaluated = [evaluated == Wanted::All, true];
-        for (i, permit) in self.permits.iter_mut().enumerate() {
-            if !predicted.is_accurate[i] || !is_evaluated[i] {
-                continue;
-            }
-            permit.permitted = if error[i].abs() <= accepted {
-                (2 * permit.permitted + 1).min(MOST_INTERPOLATED)
-            } else {
-                0
-            };
-            permit.left = permit.permitted;
+    /// Permit twice as many interpolated steps, or none, after an evaluation of powers that were predicted: if these were accurate by their
+    /// estimate, whether they are near the evaluated ones is a test.
+    pub(super) fn test(&mut self, predicted: &Predicted<P>, are_near: bool) {
+        if predicted.is_accurate {
+            let more = (2 * self.permitted + 1).min(MOST_INTERPOLATED);
+            self.permitted = if are_near { more } else { 0 };
+            self.left = self.permitted;
         }
     }
-}
-
-/// Return whether the errors of dissipated and external power are at most `accepted` \[W\].
-pub(super) fn is_below(errors: [f64; 2], accepted: f64) -> bool {
-    errors.iter().all(|e| e.abs() <= accepted)
 }
 
 /// Return the weights of powers at places before a step \[parts of it\], at its start and at its end, in Lagrange's polynomial in the middle of

@@ -28,11 +28,19 @@ fn metered_in(steps: u32, fineness: usize, power: impl Fn(f64) -> f64) -> Energy
     quadrature.begin(begin, Both(power(begin), 1.0));
     for i in 0..steps {
         let start = begin + 2.0 * f64::from(i);
-        let (end, order) = (start + 2.0, 1);
-        let step = Step { start, end, order };
-        quadrature.add_step(&step, Both(power(end), 1.0), |_, _, t| Both(power(t), 1.0));
+        add(&mut quadrature, (start, start + 2.0), &power);
     }
     quadrature
+}
+
+/// Add a step, between two times, with a dissipated `power` and an external one of 1 W.
+fn add(quadrature: &mut EnergyQuadrature<Both>, ends: (f64, f64), power: impl Fn(f64) -> f64) {
+    let ((start, end), degree) = (ends, 1);
+    let step = Step { start, end, degree };
+    // The external part of powers inside the step is not used.
+    quadrature.add_step(&step, Both(power(end), 1.0), |_, t| {
+        Both(power(t), f64::NAN)
+    });
 }
 
 fn metered(fineness: usize, power: impl Fn(f64) -> f64) -> EnergyQuadrature<Both> {
@@ -107,89 +115,67 @@ fn a_smooth_power_takes_an_evaluation_in_one_of_32_steps() {
 }
 
 #[test]
-fn an_external_power_that_is_not_smooth_is_evaluated_alone() {
-    // The dissipated power is smooth. The external one has a vibration that the ends of the steps do not show.
-    let dissipated = |t: f64| 2.0 + (0.1 * t).sin();
-    let external = |t: f64| 1.0 + 9.0 * (0.5 * std::f64::consts::PI * t).sin().powi(2);
-    let mut quadrature = EnergyQuadrature::new();
-    quadrature.begin(0.0, Both(dissipated(0.0), external(0.0)));
-    let mut counts = [0; 2];
-    for i in 0..1000 {
-        let (start, end) = (2.0 * f64::from(i), 2.0 * f64::from(i + 1));
-        let (order, at_end) = (1, Both(dissipated(end), external(end)));
-        quadrature.add_step(&Step { start, end, order }, at_end, |wanted, _, t| {
-            counts[usize::from(wanted == Wanted::External)] += 1;
-            // What is not wanted is not used.
-            let power = if wanted == Wanted::All {
-                dissipated(t)
-            } else {
-                f64::NAN
-            };
-            Both(power, external(t))
-        });
+fn the_work_is_the_integral_of_a_polynomial_through_powers_at_the_ends_of_steps() {
+    let starts = [0.0, 0.7, 1.2, 2.2, 2.5];
+    for degree in 0..=4 {
+        for exponent in 0..=4 {
+            let power = |t: f64| t.powi(exponent);
+            let mut quadrature = EnergyQuadrature::new();
+            quadrature.begin(0.0, Both(0.0, power(0.0)));
+            for (i, ends) in starts.windows(2).enumerate() {
+                let [start, end] = [ends[0], ends[1]];
+                let step = Step { start, end, degree };
+                quadrature.add_step(&step, Both(0.0, power(end)), |_, _| Both(0.0, 0.0));
+                // Powers before the first step are not known. At degree zero the power is that at the end.
+                let exact = exponent as usize <= degree.min(i + 1).min(3);
+                let over = f64::from(exponent + 1);
+                let work = (end * power(end) - start * power(start)) / over;
+                let found = quadrature.at_end.1 - quadrature.at_start.1;
+                assert_eq!(
+                    (found - work).abs() < 1e-14,
+                    exact,
+                    "{degree} {exponent} {i}"
+                );
+                if degree == 0 {
+                    assert!((found - power(end) * (end - start)).abs() < 1e-14);
+                }
+                assert!((quadrature.energies(end).1 - quadrature.at_end.1).abs() < 1e-14);
+            }
+        }
     }
-    let exact = 2.0 * 2000.0 + 10.0 * (1.0 - 200f64.cos());
-    assert!((quadrature.energies(2000.0).0 / exact - 1.0).abs() < 1e-5);
-    assert!((quadrature.energies(2000.0).1 / (5.5 * 2000.0) - 1.0).abs() < 1e-3);
-    // Each of these steps takes seven evaluations.
-    assert!(
-        counts[0] < 7 * (1000 / 32 + 10) && counts[1] > 6500,
-        "{counts:?}"
-    );
+}
+
+#[test]
+fn the_work_needs_no_evaluations() {
+    let external = |t: f64| 1e6 * (0.5 * std::f64::consts::PI * t).sin();
+    let mut quadrature = EnergyQuadrature::new();
+    quadrature.begin(0.0, Both(0.0, external(0.0)));
+    let degree = 1;
+    for i in 0..100 {
+        let (start, end) = (1.7 * f64::from(i), 1.7 * f64::from(i + 1));
+        let (step, before) = (Step { start, end, degree }, quadrature.at_end.1);
+        quadrature.add_step(&step, Both(0.0, external(end)), |_, _| Both(0.0, f64::NAN));
+        let work = quadrature.at_end.1 - before;
+        assert!((work - 0.5 * 1.7 * (external(start) + external(end))).abs() < 1e-6);
+        // In the middle of the step the power of a line is the mean of both ends.
+        let half = quadrature.energies(start + 0.85).1 - before;
+        let line = 0.85 * (0.75 * external(start) + 0.25 * external(end));
+        assert!((half - line).abs() < 1e-6);
+    }
+    assert!(quadrature.evaluations() < 20);
 }
 
 #[test]
 fn a_quarter_of_the_accepted_error_is_that_of_predicted_powers() {
     // A vibration that is zero at the ends of the steps leaves its size in the middle, where Simpson's rule has a weight of 2/3.
-    let vibration = |t: f64| (0.5 * std::f64::consts::PI * t).sin().powi(2);
-    let counts = |dissipated: f64, external: f64| {
-        let size = 1.5 * ACCEPTED_ERROR * 10.0;
-        let powers = |t| {
-            Both(
-                10.0 + dissipated * size * vibration(t),
-                1.0 + external * size * vibration(t),
-            )
-        };
-        let mut quadrature = EnergyQuadrature::new();
-        quadrature.begin(0.0, powers(0.0));
-        let mut counts = [0; 2];
-        for i in 0..1000 {
-            let (start, end) = (2.0 * f64::from(i), 2.0 * f64::from(i + 1));
-            let (order, at_end) = (1, powers(end));
-            quadrature.add_step(&Step { start, end, order }, at_end, |wanted, _, t| {
-                counts[usize::from(wanted == Wanted::External)] += 1;
-                powers(t)
-            });
-        }
-        counts
+    let evaluations = |part: f64| {
+        let size = part * 1.5 * ACCEPTED_ERROR * 10.0;
+        let power = |t: f64| 10.0 + size * (0.5 * std::f64::consts::PI * t).sin().powi(2);
+        metered_in(1000, 0, power).evaluations()
     };
-    // Evaluations of the external power alone are not remembered: its prediction errs by the size of the vibration.
-    assert_eq!(counts(0.0, 0.24), [24, 2]);
-    let [all, external] = counts(0.0, 0.26);
-    assert!(all == 24 && external > 900, "{all} {external}");
-    // Whole evaluations are remembered. They enter the estimated error of the next steps, which exceeds the limit at a smaller size.
-    assert_eq!(counts(0.05, 0.0), [24, 0]);
-    assert!(counts(0.1, 0.0)[0] > 900);
-}
-
-#[test]
-fn a_smooth_external_power_does_not_save_evaluations_of_a_dissipated_one_that_is_not() {
-    let power = |t: f64| 1.0 + 9.0 * (0.5 * std::f64::consts::PI * t).sin().powi(2);
-    let mut quadrature = EnergyQuadrature::new();
-    quadrature.begin(0.0, Both(power(0.0), 1.0));
-    for i in 0..100 {
-        let (start, end) = (2.0 * f64::from(i), 2.0 * f64::from(i + 1));
-        let step = Step {
-            start,
-            end,
-            order: 1,
-        };
-        quadrature.add_step(&step, Both(power(end), 1.0), |wanted, _, t| {
-            assert_eq!(wanted, Wanted::All);
-            Both(power(t), 1.0)
-        });
-    }
-    assert!((quadrature.energies(200.0).0 / (5.5 * 200.0) - 1.0).abs() < 1e-2);
+    // Evaluated powers are remembered. They enter the estimated error of the next steps, which exceeds the limit at a smaller size.
+    assert_eq!(evaluations(0.05), 24);
+    assert!(evaluations(0.1) > 900);
 }
 
 #[test]
@@ -199,10 +185,8 @@ fn a_step_after_an_evaluated_middle_is_predicted_from_it() {
     let mut quadrature = EnergyQuadrature::new();
     quadrature.begin(-2.0, Both(power(-2.0), 1.0));
     for start in [-2.0, 0.0, 2.0, 4.0, 6.0] {
-        let (end, order) = (start + 2.0, 1);
         let before = quadrature.evaluations();
-        let step = Step { start, end, order };
-        quadrature.add_step(&step, Both(power(end), 1.0), |_, _, t| Both(power(t), 1.0));
+        add(&mut quadrature, (start, start + 2.0), power);
         // The step from 4 to 6 is the test that permits this.
         assert_eq!(quadrature.evaluations() == before, start == 6.0, "{start}");
     }
@@ -221,10 +205,8 @@ fn powers_before_a_cut_predict_nothing() {
     quadrature.begin(0.5, Both(late(0.5), 1.0));
     let evaluations = quadrature.evaluations();
     for i in 0..4 {
-        let (start, order) = (0.5 + f64::from(i), 1);
-        let end = start + 1.0;
-        let step = Step { start, end, order };
-        quadrature.add_step(&step, Both(late(end), 1.0), |_, _, t| Both(late(t), 1.0));
+        let start = 0.5 + f64::from(i);
+        add(&mut quadrature, (start, start + 1.0), late);
     }
     let exact = 9.0 * 4.0 + 10.0 * (0.45f64.sin() - 0.05f64.sin());
     assert!((quadrature.energies(4.5).0 - before - exact).abs() < 1e-4);
@@ -254,23 +236,18 @@ fn behind_the_last_step_the_sum_grows_with_its_last_power() {
 }
 
 #[test]
-fn powers_are_interpolated_where_dissipated_and_external_ones_are_smooth() {
-    let predicted = |dissipated: f64, external: f64, accepted: f64| {
-        let [earliest, earlier, latest, start, end] = [-2.5, -0.7, -0.5, 0.0, 1.0].map(|place| {
-            let rough = f64::powi(place, 4);
-            let powers = Both(1.0 + dissipated * rough, 1.0 + external * rough);
-            (place, powers)
-        });
+fn powers_are_interpolated_where_the_dissipated_one_is_smooth() {
+    let predicted = |rough: f64, accepted: f64| {
+        let [earliest, earlier, latest, start, end] = [-2.5, -0.7, -0.5, 0.0, 1.0]
+            .map(|place| (place, Both(1.0 + rough * f64::powi(place, 4), place)));
         let before = [&earliest, &earlier, &latest].map(|(place, powers)| (*place, powers));
         Predicted::new(before, [&start.1, &end.1], accepted)
     };
     // Quartic and cubic differ by the fourth divided difference, one, times 1.2 times 1.0 times a quarter: 0.3 here.
-    assert_eq!(predicted(1.0, 1.0, 0.301).is_accurate, [true; 2]);
-    assert_eq!(predicted(1.0, 1.0, 0.299).is_accurate, [false; 2]);
-    assert_eq!(predicted(0.0, 1.0, 0.299).is_accurate, [true, false]);
-    assert_eq!(predicted(1.0, 0.0, 0.299).is_accurate, [false, true]);
-    let found = predicted(1.0, -2.0, 1.0).powers;
-    assert!((found.0 - 1.0625).abs() < 1e-14 && (found.1 - 0.875).abs() < 1e-14);
+    assert!(predicted(1.0, 0.301).is_accurate && predicted(-1.0, 0.301).is_accurate);
+    assert!(!predicted(1.0, 0.299).is_accurate && !predicted(-1.0, 0.299).is_accurate);
+    let found = predicted(1.0, 1.0).powers;
+    assert!((found.0 - 1.0625).abs() < 1e-14 && (found.1 - 0.5).abs() < 1e-14);
 }
 
 #[test]
@@ -307,9 +284,7 @@ fn inside_a_late_step_of_several_panels_the_sum_is_that_of_a_parabola() {
         let mut quadrature = EnergyQuadrature::new();
         quadrature.refine(fineness);
         quadrature.begin(1.0, Both(power(1.0), 1.0));
-        let (start, end, order) = (1.0, 3.0, 1);
-        let step = Step { start, end, order };
-        quadrature.add_step(&step, Both(power(end), 1.0), |_, _, t| Both(power(t), 1.0));
+        add(&mut quadrature, (1.0, 3.0), power);
         for t in [1.0f64, 1.3, 2.0, 2.9, 3.0] {
             let exact = t - 1.0 + (t.powi(3) - 1.0) / 3.0;
             assert!((quadrature.energies(t).0 - exact).abs() < 1e-13, "{t}");
@@ -346,15 +321,10 @@ fn a_copy_is_equal_and_only_one_of_the_same_panels_can_replace_it() {
 fn the_error_of_half_a_step_is_that_of_a_cubic() {
     // x³ differs from its parabola by x (x - 1/2)(x - 1), whose integral over half of the step is 1/64.
     // Where the power begins has no effect.
-    let power = |x: f64| Both(5.0 + x.powi(3), 2.0 * (5.0 + x.powi(3)));
+    let power = |x: f64| Both(5.0 + x.powi(3), 0.0);
     for place in [-0.3, -1.0, -2.5] {
         let error = error_of_half([0.0, 0.5, 1.0].map(power), (place, &power(place)));
-        assert!(
-            (64.0 * error[0] - 1.0).abs() < 1e-12,
-            "{place}: {}",
-            error[0]
-        );
-        assert!((error[1] / error[0] - 2.0).abs() < 1e-12);
+        assert!((64.0 * error - 1.0).abs() < 1e-12, "{place}: {error}");
     }
     assert_eq!(decisive(&Both(-1e-3, 1.0)), EXTERNAL_SHARE);
     assert_eq!(decisive(&Both(1e-3, -2.0)), 2.0 * EXTERNAL_SHARE);
@@ -364,21 +334,21 @@ fn the_error_of_half_a_step_is_that_of_a_cubic() {
 #[test]
 fn each_passed_test_permits_twice_as_many_interpolated_steps_up_to_63() {
     let mut interpolation = Interpolation::<Both>::default();
-    let predicted = Predicted {
+    let predicted = |is_accurate| Predicted {
         powers: Both(1.0, 1.0),
-        is_accurate: [true; 2],
+        is_accurate,
     };
-    assert_eq!(interpolation.wanted(&predicted), Some(Wanted::All));
+    assert!(!interpolation.permits(&predicted(true)));
     for expected in [1, 3, 7, 15, 31, 63, 63] {
-        interpolation.test(&predicted, Wanted::All, [0.5, -1.0], 1.0);
-        let free = (0..80).filter(|_| interpolation.wanted(&predicted).is_none());
+        interpolation.test(&predicted(true), true);
+        let free = (0..80).filter(|_| interpolation.permits(&predicted(true)));
         assert_eq!(free.count(), expected);
     }
-    interpolation.test(&predicted, Wanted::All, [0.0, 1.1], 1.0);
-    assert_eq!(interpolation.wanted(&predicted), Some(Wanted::External));
-    // An evaluation of the external power alone is no test of the dissipated one, whose 63 steps go on.
-    interpolation.test(&predicted, Wanted::External, [9.0, 0.9], 1.0);
-    assert_eq!(interpolation.wanted(&predicted), None);
-    interpolation.test(&predicted, Wanted::All, [1.1, 0.0], 1.0);
-    assert_eq!(interpolation.wanted(&predicted), Some(Wanted::All));
+    // Powers that are not accurate by their estimate use no permit, and their evaluation is no test.
+    interpolation.test(&predicted(true), true);
+    assert!(!interpolation.permits(&predicted(false)));
+    interpolation.test(&predicted(false), false);
+    assert!(interpolation.permits(&predicted(true)));
+    interpolation.test(&predicted(true), false);
+    assert!(!interpolation.permits(&predicted(true)));
 }

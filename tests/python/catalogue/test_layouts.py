@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -268,6 +269,44 @@ def crossed(side):
 
 def test_the_proposed_side_of_a_crossing_chain_has_a_layout():
     assert crossed("inside").check()
+
+
+def refusal(sprockets):
+    """Return the text of the refusal of a drive; empty for none."""
+    try:
+        rc.chain_drive("ANSI 40", sprockets)
+    except rc.InvalidInput as error:
+        return str(error)
+    return ""
+
+
+def test_every_proposed_order_and_side_has_a_chain_path():
+    rng = np.random.default_rng(1)
+    proposals = {"order": 0, "side": 0}
+    for _ in range(300):
+        sprockets = [
+            rc.Sprocket(
+                int(rng.integers(9, 30)),
+                tuple(rng.uniform(0.0, 0.4, 2)),
+                side="outside" if i > 0 and rng.random() < 0.3 else "inside",
+            )
+            for i in range(rng.integers(3, 6))
+        ]
+        text = refusal(sprockets)
+        order = re.search(r": ([\d, ]+) would do", text)
+        side = re.search(r"sprocket (\d) stands where .* it (\w+);", text)
+        side = side or re.search(r'give sprocket (\d) side="(\w+)"', text)
+        if order:
+            sprockets = [sprockets[int(i) - 1] for i in order[1].split(", ")]
+        elif side:
+            i = int(side[1]) - 1
+            sprockets[i] = replace(sprockets[i], side=side[2])
+        else:
+            continue
+        proposals["order" if order else "side"] += 1
+        assert "no chain path" not in refusal(sprockets), text
+    assert proposals["order"] > 3
+    assert proposals["side"] > 10
 
 
 @pytest.mark.parametrize("case", BAD)

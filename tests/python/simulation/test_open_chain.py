@@ -197,6 +197,16 @@ def test_the_report_of_an_open_chain_leaves_out_what_it_does_not_have(tmp_path):
     result.report(tmp_path / "report.html")
 
 
+def test_a_strand_between_coincident_ends_has_the_sag_of_nearly_coincident_ones():
+    def sag(distance):
+        ends = rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((distance, 0.0))
+        return rc.open_chain("ANSI 40", ends, 6).check().sag[0]
+
+    # Three links hang down, three lead up.
+    assert sag(0.0) == pytest.approx(3.0 * 0.0127, rel=1e-9)
+    assert sag(1e-12) == pytest.approx(3.0 * 0.0127, rel=1e-9)
+
+
 def test_what_an_open_chain_cannot_be_is_refused():
     with pytest.raises(rc.InvalidInput, match=r"24 links would do"):
         strand(10, last=rc.AnchoredEnd((0.3, 0.0))).check()
@@ -311,7 +321,9 @@ def test_a_slack_side_that_is_too_light_is_refused_with_what_it_lacks():
         40,
         [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
     )
-    with pytest.raises(rc.InvalidInput, match=r"end 1 weighs 1\.\d+ N.*58\d\.\d N at end 2"):
+    # A load has no place at an anchored end.
+    lack = r"end 1 weighs 1\.\d+ N.*58\d\.\d N at end 2.*hang more links at end 1"
+    with pytest.raises(rc.InvalidInput, match=lack):
         rc.Simulation(drive, start="static")
 
 

@@ -61,6 +61,18 @@ def test_a_surface_that_does_not_exist_is_refused():
             _rustchain.Core(scene, place.positions, place.velocities, [surface])
 
 
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+@pytest.mark.parametrize("aside", [0.1, 0.3])
+def test_a_load_aside_of_its_anchor_swings_down(aside, hinges):
+    # With a limit by the clearance of hinges that do not exist, 0.3 m took more than 100,000
+    # iterations, after which a static start is refused.
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(5.0, position=(aside, -0.6)))
+    drive = rc.open_chain("ANSI 40", ends, links=60, hinges=hinges)
+    simulation = rc.Simulation(drive, start="static")
+    assert simulation.rest["iterations"] < 30_000
+    assert simulation.positions[:60, 0] == pytest.approx(0.0, abs=1e-6)
+
+
 @pytest.mark.parametrize("method", ["auto", "newton", "pece"])
 def test_a_drive_that_rests_under_load_keeps_the_forces_of_its_equilibrium(method):
     # The first explicit step was 1e-4 s long, a hundred times the limit of stability: hinges bore

@@ -93,6 +93,8 @@ def test_an_exception_of_the_right_hand_side_comes_through():
     [
         ({"span": (1.0, 1.0)}, "t_span"),
         ({"span": (0.0, math.nan)}, "t_span"),
+        ({"span": (0.0, math.inf), "times": np.array([1.0])}, r"t_span \(end\) = inf"),
+        ({"span": (-math.inf, 0.0)}, r"t_span \(start\) = -inf"),
         ({"tolerance": -1.0}, "rtol"),
         ({"tolerance": math.nan}, "rtol"),
         ({"max_order": 13}, "max_order"),

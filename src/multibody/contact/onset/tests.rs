@@ -229,6 +229,7 @@ fn a_return_into_a_contact_inside_a_step_counts_it() {
         assert!((memory.speed - f64::max(0.3, floor)).abs() < 1e-15 && memory.in_front);
         let numbers = dynamics.onsets.numbers;
         assert_eq!((numbers.all, numbers.at_minimum), (1, slow));
+        assert_eq!(dynamics.onsets.take_velocities(1, 0.0), [0.3]);
     }
 }
 
