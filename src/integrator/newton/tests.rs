@@ -217,7 +217,10 @@ fn three_failures_of_a_step_reduce_its_order_to_one() {
         let rejected = adams.counts.rejected;
         let step = adams.step_newton(&mut system).unwrap();
         let expected = if failures < 3 { order } else { 1 };
-        assert_eq!((step.degree + 1, adams.history.last_order), (expected, expected));
+        assert_eq!(
+            (step.degree + 1, adams.history.last_order),
+            (expected, expected)
+        );
         assert_eq!(
             adams.counts.rejected,
             rejected + u64::from(failures.cast_unsigned())

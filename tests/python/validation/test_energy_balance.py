@@ -6,15 +6,15 @@ import pytest
 import rustchain as rc
 
 
-@pytest.mark.parametrize(("pretension", "most"), [(25.0, 3e-7), (100.0, 3e-7)])
-def test_the_energy_lost_is_that_of_an_accurate_run(pretension, most):
-    """Root mean square of six starts; 1.2e-7 and 0.8e-7 J, of 0.8 and 2.2 mJ dissipated.
+@pytest.mark.parametrize("pretension", [0.0, 25.0, 100.0])
+def test_the_energy_lost_is_that_of_an_accurate_run(pretension):
+    """Root mean square of six starts: 5e-8, 5e-8 and 5e-8 J.
 
-    With the external power integrated along the path of each step it is 6e-7 and 9e-7 J.
+    With the external power integrated along the path of each step it is 6e-7, 3e-7 and 8e-7 J.
     """
     drive = rc.paper_drive(pretension=pretension)
     before = rc.Simulation(drive)
-    errors = []
+    errors, losses = [], []
     for i in range(6):
         before.step_to(0.13 + 0.003 * i)
         place = {"positions": before.positions, "velocities": before.velocities}
@@ -23,11 +23,13 @@ def test_the_energy_lost_is_that_of_an_accurate_run(pretension, most):
             energy = rc.Simulation(drive, **place, solver=solver).run(2e-3, progress=False).energy
             stored = energy.kinetic + energy.gravity + energy.elastic
             lost.append(energy.external_work[-1] - (stored[-1] - stored[0]))
-        assert lost[1] > 1e-4
         errors.append(lost[0] - lost[1])
-    assert np.sqrt(np.mean(np.square(errors))) < most
+        losses.append(lost[1])
+    assert max(losses) > 5e-5
+    assert np.sqrt(np.mean(np.square(errors))) < 1.5e-7
 
 
+@pytest.mark.filterwarnings("ignore::rustchain.EnergyWarning")  # at 1e-6 m/s
 @pytest.mark.parametrize(("minimum", "most"), [(1e-4, 3e-4), (1e-6, 1e-2)])
 def test_the_balance_of_overdamped_contacts_closes(minimum, most):
     """Of 24 mJ dissipated; 0.06 and 1.7 mJ, and 1.8 mJ and 1.6 J along the path of each step."""
