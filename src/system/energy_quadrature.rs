@@ -51,7 +51,7 @@ pub struct EnergyQuadrature<P> {
     /// Energies at its end \[J\].
     at_end: P,
     /// Powers at the ends and in the middle of its panels, from start to end \[W\]. Between the ends of the step, external powers are those of
-    /// the parabola with the work of the step.
+    /// the parabola with the work of the step, unless they are integrated along the path.
     powers: Vec<P>,
     /// Time \[s\] in which powers were integrated, and the integral of their [`decisive`] part \[J\].
     metered_time: f64,
@@ -124,11 +124,12 @@ impl<P: PowerSum> EnergyQuadrature<P> {
     }
 
     /// Add the energies of a step with the powers `at_end` at its end; `powers_at` evaluates powers at a part of the step and its time. Their
-    /// external part is not used.
+    /// external part is used in steps in which the external power is to be integrated `along_path`.
     pub(crate) fn add_step(
         &mut self,
         step: &Step,
         at_end: P,
+        along_path: bool,
         mut powers_at: impl FnMut(f64, f64) -> P,
     ) {
         let length = step.end - step.start;
@@ -148,7 +149,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             }
             _ => Predicted::default(),
         };
-        let is_predicted = self.interpolation.permits(&predicted);
+        let is_predicted = !along_path && self.interpolation.permits(&predicted);
         self.interpolation.remember(step.start, at_start);
         let mut middle = predicted.powers;
         if !is_predicted {
@@ -159,7 +160,10 @@ impl<P: PowerSum> EnergyQuadrature<P> {
                 .remember(step.start + 0.5 * length, middle);
         }
         let external = [&at_start, &at_end].map(|powers| powers.totals()[1]);
-        middle = middle.with_external(self.external.in_the_middle(step, external));
+        let external = self.external.in_the_middle(step, external);
+        if !along_path {
+            middle = middle.with_external(external);
+        }
         let simpson = [at_start, middle, at_end];
         let accepted = || ACCEPTED_ERROR * scale.max(decisive(&middle));
         // There are always three or more.
@@ -175,8 +179,11 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             for i in (0..panels).rev() {
                 self.powers[2 * i] = self.powers[i];
                 let part = (2 * i + 1) as f64 / (2 * panels) as f64;
-                let external = parabola(simpson, part).totals()[1];
-                self.powers[2 * i + 1] = powers_at(part).with_external(external);
+                let mut power = powers_at(part);
+                if !along_path {
+                    power = power.with_external(parabola(simpson, part).totals()[1]);
+                }
+                self.powers[2 * i + 1] = power;
             }
             let finer = simpson_mean(&self.powers);
             // Of a smooth power, halved panels have a sixteenth of the error.

@@ -3,7 +3,35 @@
 //! The path is the cubic through values and slopes at both ends of the step, whatever the integrator's order.
 
 use super::Dynamics;
+use crate::chain::model::{Model, Rotation};
 use crate::integrator::{Adams, Step};
+
+/// Largest difference of a prescribed speed in the middle of a step from the mean of those at its ends, over the largest of the three, with
+/// which external powers at both ends are enough. In longer steps the power is bent as the speed is, which the path shows.
+const STRAIGHT: f64 = 1e-3;
+
+/// Return whether all prescribed speeds, of sprockets and of ends, are nearly straight in a step.
+fn has_straight_speeds(model: &Model, step: &Step) -> bool {
+    let is_straight = |speed: &dyn Fn(f64) -> f64| {
+        let [start, middle, end] =
+            [0.0, 0.5, 1.0].map(|part| speed(step.start + part * (step.end - step.start)));
+        let largest = start.abs().max(middle.abs()).max(end.abs());
+        (middle - 0.5 * (start + end)).abs() <= STRAIGHT * largest
+    };
+    let sprockets = model
+        .sprockets
+        .iter()
+        .all(|sprocket| match &sprocket.rotation {
+            Rotation::Prescribed(speed) => is_straight(&|t| speed.value(t)),
+            Rotation::Free { .. } => true,
+        });
+    let mut ends = model.ends.iter().flat_map(|ends| &ends.bodies);
+    sprockets
+        && ends.all(|end| {
+            let velocity = |t| end.given_velocity(t).unwrap_or_default();
+            is_straight(&|t| velocity(t).x) && is_straight(&|t| velocity(t).y)
+        })
+}
 
 impl Dynamics {
     /// Divide each step into `fineness` panels from now on, a power of two; 0: as many as the powers need.
@@ -35,7 +63,7 @@ impl Dynamics {
             end,
             degree: 1,
         };
-        (self.quadrature).add_step(&rest, at_end, |_, t| powers_at(t));
+        (self.quadrature).add_step(&rest, at_end, true, |_, t| powers_at(t));
     }
 
     /// Begin the next step with the powers at the present state of `adams`, while energy is kept: they may have jumped at a start.
@@ -129,7 +157,8 @@ impl Dynamics {
         let (dimension, rates) = (self.slope.len(), &mut self.slope[model.coordinates..]);
         // `rates` is scratch for the rates of bristles.
         let kernels = &mut self.kernels;
-        (self.quadrature).add_step(step, self.power_at_end, |part, t| {
+        let along_path = !has_straight_speeds(model, step);
+        (self.quadrature).add_step(step, self.power_at_end, along_path, |part, t| {
             adams.write_cubic(part, y);
             kernels.powers(model, memory, t, &y[..dimension], rates)
         });

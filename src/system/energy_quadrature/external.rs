@@ -21,14 +21,15 @@ impl ExternalPowers {
     /// step, and remember the one at its start.
     ///
     /// The work is the integral of the polynomial through the powers at the end, at the start, and at the starts before: of the step's
-    /// degree, but at most three.
+    /// degree, but at most three, and a line in the first step.
     pub(super) fn in_the_middle(&mut self, step: &Step, ends: [f64; 2]) -> f64 {
         let [start, end] = ends;
         let length = step.end - step.start;
         let place = |(t, power): (f64, f64)| ((t - step.start) / length, power);
         let [later, earlier] = self.before.map(|node| node.map(place));
         self.before = [Some((step.start, start)), self.before[0]];
-        if step.degree == 0 {
+        // The first step is of degree zero and can be long: a speed that rises from rest is then not that of its end.
+        if step.degree == 0 && later.is_some() {
             // Of constant power, that at the end: 6 times it less both ends, over 4.
             return 1.25 * end - 0.25 * start;
         }

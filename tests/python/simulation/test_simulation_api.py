@@ -595,8 +595,8 @@ WORKING_LAWS = {
 
 
 @pytest.mark.parametrize("scene", WORKS)
-def test_work_of_external_powers_that_are_evaluated_alone_is_torque_times_angle(scene):
-    # Torques of rows are those of whole evaluations. 1e-7 to 9e-6 of the work that flows through.
+def test_work_of_prescribed_speeds_is_torque_times_angle(scene):
+    # Torques of rows are those along the path. 1e-7 to 4e-4 of the work that flows through.
     simulation = rc.Simulation(
         WORKS[scene](), rc.LankaraniNikravesh(), tooth_law=WORKING_LAWS.get(scene)
     )
@@ -608,7 +608,7 @@ def test_work_of_external_powers_that_are_evaluated_alone_is_torque_times_angle(
         gains = 0.5 * np.diff(sprocket.angle) * (sprocket.torque[1:] + sprocket.torque[:-1])
         work, through = work + np.cumsum(gains), through + np.abs(gains).sum()
     gained = result.energy.external_work[1:] - result.energy.external_work[0]
-    np.testing.assert_allclose(gained, work, rtol=0.0, atol=3e-5 * through)
+    np.testing.assert_allclose(gained, work, rtol=0.0, atol=1e-3 * through)
 
 
 def test_the_balance_does_not_depend_on_when_it_begins():

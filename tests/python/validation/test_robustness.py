@@ -109,5 +109,5 @@ def test_energy_that_stays_stored_hides_no_residual():
     with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-1[0-9] or less"):
         result = simulation.run(0.01, record=("energy",), progress=False)
     energy = result.energy
-    assert np.abs(energy.residual).max() > energy.dissipated[-1]
+    assert np.abs(energy.residual).max() > 0.5 * energy.dissipated[-1]
     assert energy.elastic.min() > 1000.0 * energy.dissipated[-1]
