@@ -1,9 +1,9 @@
 //! Work of the external power in a step, by the formula with which the corrector integrates forces.
 //!
 //! A sprocket of prescribed speed, or a moving end, does the work of its speed and the impulse of the contact forces on it. Velocities change
-//! by the impulse that the corrector integrates: of order two the mean of the forces at both ends of the step times its length. With another impulse the balance
-//! would have an error of the difference times the speed, of the whole chain, though the motion has none. Along the path of the step,
-//! forces of overdamped contacts contain their damping times errors of velocities (decision 22).
+//! by the impulse that the corrector integrates: of order two the mean of the forces at both ends of the step times its length. With
+//! another impulse the balance would have an error of the difference times the speed of the sprocket, though the motion has none. Along
+//! the path of the step, forces of overdamped contacts contain their damping times errors of velocities (decision 22).
 
 use serde::{Deserialize, Serialize};
 
