@@ -165,6 +165,12 @@ def case_of(system: System, run: Parameters, parameters: Parameters) -> tuple[Sc
 
 def _with_fields(scene: Scene, changes: Parameters) -> ChainDrive | Mechanism:
     """Return the system of a scene with other fields."""
+    if changes.get("replicate", 0) != 0 and scene.velocities is not None:
+        msg = (
+            f"replicate = {shown(changes['replicate'])}: the scene has velocities of its own, and "
+            "keeps them; leave them out, or sweep them as an argument of a function"
+        )
+        raise InvalidInput(msg)
     if isinstance(scene.system, ChainDrive):
         return _drive_with_fields(scene.system, changes)
     fields = {tuple(n.split(".")): value for n, value in changes.items() if n != "replicate"}

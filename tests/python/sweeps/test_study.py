@@ -153,6 +153,14 @@ def test_a_replicate_is_a_seed(seed):
         rc.sweep(PAPER, {"replicate": [seed]}, duration=1e-4, progress=False)
 
 
+def test_a_scene_with_velocities_of_its_own_has_no_other_start():
+    made = rc.Simulation(PAPER)
+    scene = rc.Scene(PAPER, positions=made.positions, velocities=made.velocities)
+    with pytest.warns(rc.CaseWarning, match="1 of 2 cases failed"):
+        found = rc.study(scene, lambda r: r.time[-1], runs=2, **SHORT)
+    assert "velocities of its own" in str(found.sweep.errors[1])
+
+
 def test_a_drive_whose_sprockets_are_all_prescribed_has_no_other_start():
     both = tuple(replace(s, motion=rc.PrescribedSpeed(4 * np.pi)) for s in PAPER.sprockets)
     drive = replace(PAPER, sprockets=both)
