@@ -118,8 +118,8 @@ fn a_smooth_power_takes_an_evaluation_in_one_of_32_steps() {
 fn the_work_is_the_integral_of_a_polynomial_through_powers_at_the_ends_of_steps() {
     let starts = [0.0, 0.7, 1.2, 2.2, 2.5];
     for degree in 0..=4 {
-        for exponent in 0..=4 {
-            let power = |t: f64| t.powi(exponent);
+        for exponent in 0..=4u8 {
+            let power = |t: f64| t.powi(i32::from(exponent));
             let mut quadrature = EnergyQuadrature::new();
             quadrature.begin(0.0, Both(0.0, power(0.0)));
             for (i, ends) in starts.windows(2).enumerate() {
@@ -127,7 +127,8 @@ fn the_work_is_the_integral_of_a_polynomial_through_powers_at_the_ends_of_steps(
                 let step = Step { start, end, degree };
                 quadrature.add_step(&step, Both(0.0, power(end)), false, |_, _| Both(0.0, 0.0));
                 // Powers before the first step are not known: a line. At degree zero the power is that at the end from the second step on.
-                let exact = exponent as usize <= degree.max(usize::from(i == 0)).min(i + 1).min(3);
+                let exact =
+                    usize::from(exponent) <= degree.max(usize::from(i == 0)).min(i + 1).min(3);
                 let over = f64::from(exponent + 1);
                 let work = (end * power(end) - start * power(start)) / over;
                 let found = quadrature.at_end.1 - quadrature.at_start.1;
