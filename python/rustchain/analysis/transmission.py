@@ -188,7 +188,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     path = np.abs(np.diff(angle)).sum()
     if turned[-1] < 0.5 * path:
         msg = (
-            f"start, end: the shaft turned back and forth by {path:.3g} rad, and on by "
+            f"start, end: the shaft rotated back and forth by {path:.3g} rad, and on by "
             f"{turned[-1]:.3g} rad; expected a shaft that turns one way; take a part of the run in "
             "which it does"
         )

@@ -103,11 +103,12 @@ def test_sharp_regions_are_named_where_they_leave_the_balance_open():
 
 def test_energy_that_stays_stored_hides_no_residual():
     """A chain under 1000 N that hardly turns: a thousand times what it loses stays pressed."""
-    drive = rc.two_sprocket_drive(teeth=(17, 17), links=38, speed=0.5, pretension=1000.0)
+    drive = rc.two_sprocket_drive(teeth=(17, 17), links=38, speed=0.2, pretension=1000.0)
     solver = rc.Solver("newton", accuracy=1e-9)
     simulation = rc.Simulation(drive, solver=solver, start="static")
     with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-1[0-9] or less"):
         result = simulation.run(0.01, record=("energy",), progress=False)
     energy = result.energy
-    assert np.abs(energy.residual).max() > 0.5 * energy.dissipated[-1]
+    # What is counted as dissipated is nearly all an error of the integration.
+    assert np.abs(energy.residual).max() > 0.9 * energy.dissipated[-1]
     assert energy.elastic.min() > 1000.0 * energy.dissipated[-1]

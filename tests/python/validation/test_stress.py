@@ -154,7 +154,7 @@ def test_an_imbalance_in_silence_fails_and_one_with_a_warning_does_not():
     assert told.worst["residual, with a warning"] > 1.0
     assert not told.failed
     found = Outcome("", "", "finished")
-    with pytest.warns(rc.RustchainWarning):
+    with pytest.warns(rc.EnergyWarning), pytest.warns(rc.RustchainWarning, match="solver.accuracy"):
         result, same = outcomes.run(Given(scene, 0.02).trial())
     outcomes.classify(found, result, same, warned=set())
     assert found.outcome == "silent imbalance"
