@@ -109,7 +109,7 @@ class RangeWarning(RustchainWarning):
 
 
 class EnergyWarning(RustchainWarning, RuntimeWarning):
-    """The energy balance residual of a run is large for its accuracy."""
+    """The energy balance residual of a run is large beside the energy dissipated."""
 
 
 class CaseWarning(RustchainWarning, RuntimeWarning):

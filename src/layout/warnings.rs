@@ -4,7 +4,6 @@ use super::report::{Layout, USUAL_SAG, given_speed};
 use super::tightness::{Tightness, tightness};
 use crate::drive::{Bearing, Drive, HingeKind, Sprocket, SprocketMotion};
 use crate::geometry::path::wrap;
-use crate::math::Signal;
 
 /// Least usual wrap of a sprocket \[degrees\], less rounding: a third of its teeth is not below.
 const LEAST_WRAP: f64 = 120.0 - 1e-9;
@@ -61,7 +60,7 @@ const GIVES_WAY: f64 = 0.5;
 
 /// Return the warning about a load with which the chain jumps teeth: it needs a larger difference of strand tensions than the
 /// tensioner keeps as their sum.
-fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
+fn overload_warning(drive: &Drive, layout: &Layout) -> Option<String> {
     let tensioner = drive.tensioner.as_ref().filter(|_| drive.ends.is_none())?;
     // A ratchet or a stop holds the centre at any load.
     if tensioner.ratchet.is_some() || tensioner.travel[0].is_finite() {
@@ -72,12 +71,11 @@ fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
         2 => 0..2,
         _ => tensioner.sprocket - 1..tensioner.sprocket,
     };
-    let need = |i: usize| {
-        let radius = wrap::pitch_radius(drive.chain.pitch, drive.sprockets[i].teeth);
-        largest_torque(&drive.sprockets[i].motion, speeds[i])
-            .map(|torque| (i, torque, torque / radius))
-    };
-    let (i, torque, needed) = loaded.filter_map(need).max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let pulls = largest_pulls(drive, layout);
+    let (i, needed) = loaded
+        .map(|i| (i, pulls[i]))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let torque = needed * pitch_radius(drive, i);
     let sum = 2.0 * tensioner.pretension + GIVES_WAY * drive.chain.pitch * tensioner.stiffness;
     (needed > sum).then(|| {
         format!(
@@ -89,16 +87,73 @@ fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
     })
 }
 
-/// Return the size of the largest torque on a sprocket at its initial angular velocity \[N m\]; `None` without torque.
-fn largest_torque(motion: &SprocketMotion, speed: f64) -> Option<f64> {
-    let largest = |torque: &Signal, of_speed: f64| {
-        let [least, most] = torque.range().map(|torque| (torque + of_speed).abs());
-        least.max(most)
-    };
+fn pitch_radius(drive: &Drive, sprocket: usize) -> f64 {
+    wrap::pitch_radius(drive.chain.pitch, drive.sprockets[sprocket].teeth)
+}
+
+/// Return the largest force of the chain on each sprocket, along the chain \[N\]; zero where its speed is prescribed.
+///
+/// With a prescribed speed in the drive it is torque over pitch radius: mean speeds are taken as constant. Without one, torques
+/// accelerate the masses m of shafts and chain together by a, and it is torque over pitch radius less m a of its own shaft.
+fn largest_pulls(drive: &Drive, layout: &Layout) -> Vec<f64> {
+    let count = drive.sprockets.len();
+    let sign = |i: usize| layout.sides[i].sign();
+    // Speed of the chain, in teeth times angular velocity.
+    let chain_speeds = (0..count).find_map(|i| match &drive.sprockets[i].motion {
+        SprocketMotion::PrescribedSpeed(speed) => {
+            let teeth = sign(i) * f64::from(drive.sprockets[i].teeth);
+            Some(speed.range().map(|speed| teeth * speed))
+        }
+        _ => None,
+    });
+    let pulls: Vec<[f64; 2]> = (0..count)
+        .map(|i| {
+            let sprocket = &drive.sprockets[i];
+            let follows = |speed: f64| sign(i) * speed / f64::from(sprocket.teeth);
+            let least_and_most = chain_speeds.map(|speeds| speeds.map(follows));
+            let speeds = least_and_most.iter().flatten().chain([&layout.speeds[i]]);
+            let torques = torque_range(&sprocket.motion, speeds);
+            let [a, b] = torques.map(|torque| sign(i) * torque / pitch_radius(drive, i));
+            [a.min(b), a.max(b)]
+        })
+        .collect();
+    let mut shares = vec![0.0; count];
+    if chain_speeds.is_none() {
+        let links = 0..drive.chain.links as usize;
+        let chain: f64 = links.map(|i| drive.chain.strand_link(i).mass).sum();
+        for (i, share) in shares.iter_mut().enumerate() {
+            let (_, inertia) = drive.sprockets[i].mass_properties(&drive.chain);
+            *share = inertia / pitch_radius(drive, i).powi(2);
+        }
+        let all = chain + shares.iter().sum::<f64>();
+        shares.iter_mut().for_each(|share| *share /= all);
+    }
+    let total = |which: usize| pulls.iter().map(|pull| pull[which]).sum::<f64>();
+    let (least, most) = (total(0), total(1));
+    (pulls.iter().zip(&shares))
+        .map(|([low, high], share)| {
+            // The other torques are at their other limit.
+            let lowest = (1.0 - share) * low - share * (most - high);
+            let highest = (1.0 - share) * high - share * (least - low);
+            lowest.abs().max(highest.abs())
+        })
+        .collect()
+}
+
+/// Return the least and the largest torque on a sprocket at these angular velocities \[N m\]; zeros without torque.
+fn torque_range<'a>(motion: &SprocketMotion, speeds: impl Iterator<Item = &'a f64>) -> [f64; 2] {
     match motion {
-        SprocketMotion::AppliedTorque(torque) => Some(largest(torque, 0.0)),
-        SprocketMotion::TorqueCurve { torque, curve } => Some(largest(torque, curve.value(speed))),
-        SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => None,
+        SprocketMotion::AppliedTorque(torque) => torque.range(),
+        SprocketMotion::TorqueCurve { torque, curve } => {
+            let start = [f64::INFINITY, f64::NEG_INFINITY];
+            let [least, most] = speeds.fold(start, |[least, most], &speed| {
+                let torque = curve.value(speed);
+                [least.min(torque), most.max(torque)]
+            });
+            let [lowest, highest] = torque.range();
+            [lowest + least, highest + most]
+        }
+        SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => [0.0; 2],
     }
 }
 
@@ -147,7 +202,7 @@ impl Layout {
         }
         self.warn_of_speeds(drive, &mut warnings);
         warnings.extend(tensioner_warning(drive));
-        warnings.extend(overload_warning(drive, &self.speeds));
+        warnings.extend(overload_warning(drive, self));
         warnings.extend(tightness_warning(drive));
         self.warnings = warnings;
     }

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 class Outputs:
     """The evaluations of a result.
 
-    `start` and `end` [s] choose a part of the time, by default all of it. What comes back are
-    xarray datasets with units in their attributes.
+    `start` and `end` [s] choose a part of the time, by default all of it. Most return xarray
+    datasets or arrays with units in their attributes, some a pandas table or a number.
     """
 
     between = window.between

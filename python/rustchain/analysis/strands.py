@@ -65,7 +65,7 @@ def strand_motion(
 ) -> xr.DataArray:
     """Return how far a strand is off its straight line [m], (time, station).
 
-    Positive away from the inside of the loop. Needs sprockets and bodies recorded.
+    Positive away from the inside of the loop. Needs hinges, sprockets and bodies recorded.
 
     Parameters
     ----------

@@ -50,8 +50,9 @@ class Scene(Description):
         described positions of a mechanism. "static": the static equilibrium under gravity, the
         loads of the first instant and the full force of tensioner and plungers, which then have
         no ramp. The search begins at the generated or described positions, with motors and
-        drivers held there, and without friction. The sprockets' speeds are those of the
-        generated start, the velocities of a mechanism those described.
+        drivers held there, and without friction. Prescribed speeds are kept. Other
+        velocities of a drive are those of the generated start, changed so that loaded contacts stay
+        closed; velocities of a mechanism are those described.
     positions, velocities : array_like, (bodies, 3), optional
         Initial positions [m, m, rad] and velocities [m/s, m/s, rad/s]; by default those of `start`.
         Positions need velocities with them; velocities alone go with the generated positions.

@@ -22,7 +22,8 @@ class AnsiTooth(Description):
         the centre of a seated bushing is on the pitch circle. With the centre on the pitch circle,
         a seated bushing has clearance all round.
     roller_diameter : float, optional
-        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings.
+        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings, or
+        of its rollers where those are bodies.
     tip : {"full", "cut"}
         "full": the topping curves continue to the middle of the tooth, as in the published model.
         "cut": they end at the outside diameter in an edge.
@@ -54,7 +55,8 @@ class IsoTooth(Description):
         Position of the centre of the seat, as in `AnsiTooth`. The bottom diameter is the pitch
         diameter less the roller diameter, or less twice the seat radius.
     roller_diameter : float, optional
-        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings.
+        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings, or
+        of its rollers where those are bodies.
     tip_diameter : float, optional
         Tip diameter [m]; by default the middle of the standard's range, or its smallest value where
         the tooth would be pointed.
@@ -87,7 +89,8 @@ class StraightTooth(Description):
     seat : {"bottom-diameter", "pitch-circle"}
         Position of the centre of the seat, as in `AnsiTooth`.
     roller_diameter : float, optional
-        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings.
+        Roller diameter for which the tooth is cut [m]; by default that of the chain's bushings, or
+        of its rollers where those are bodies.
     tip_diameter : float, optional
         Tip diameter [m]; by default that of an `IsoTooth`.
     edge_radius : float, optional

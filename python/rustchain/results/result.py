@@ -219,7 +219,7 @@ class Result(OfScene, ArrayValue, Outputs, Exports, HtmlView):
         return Strand(self.time, self._column("strand_tension", k))
 
     def sprocket(self, number: Count) -> SprocketMotion:
-        """Return sprocket `number`; 1 is the driver."""
+        """Return sprocket `number`, from 1."""
         k = position_of("sprocket", number, len(self.drive.sprockets))
         names = ("angle", "speed", "torque", "center")
         return SprocketMotion(self.time, *(self._column(f"sprocket_{name}", k) for name in names))

@@ -191,8 +191,8 @@ class Energy(ArrayValue):
         Residual of the energy balance [J]: the error measure of a long run.
     hinge_contact, tooth_contact, hinge_friction, tooth_friction : ndarray, (times,), optional
         Parts of `dissipated` [J]: damping of contacts and friction, of pins in bushings and of
-        bushings on teeth; the remainder is that of dashpots. Only of chain drives; those of hinges
-        only with clearance.
+        bushings on teeth. With those of rollers and film below, the remainder is that of dashpots.
+        Only of chain drives; those of hinges only with clearance.
     roller_contact, roller_friction : ndarray, (times,), optional
         The same of bushings in rollers, where those are bodies.
     hinge_film : ndarray, (times,), optional

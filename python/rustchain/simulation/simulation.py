@@ -71,7 +71,7 @@ class Simulation(Present):
     -----
     RangeWarning
         A contact has left the range of its law.
-    UserWarning
+    RustchainWarning
         An input has an implausible size; see `ChainDrive.check` and `Mechanism.check`.
 
     Examples

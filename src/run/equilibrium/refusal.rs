@@ -13,6 +13,7 @@ pub(super) fn causes(drive: &Drive, layout: &Layout) -> String {
         low_tension(drive, layout),
         light_strand(drive, layout),
         loose_torque(drive),
+        loose_chain(drive),
     ];
     let shown: Vec<String> = shown.into_iter().flatten().collect();
     if !shown.is_empty() {
@@ -47,16 +48,32 @@ fn low_tension(drive: &Drive, layout: &Layout) -> Option<String> {
     })
 }
 
+/// Return whether any sprocket has a prescribed speed.
+fn has_prescribed_speed(drive: &Drive) -> bool {
+    let mut motions = drive.sprockets.iter().map(|sprocket| &sprocket.motion);
+    motions.any(|motion| matches!(motion, SprocketMotion::PrescribedSpeed(_)))
+}
+
+/// Return a description of an open chain that runs off over its sprockets, if nothing holds it.
+fn loose_chain(drive: &Drive) -> Option<String> {
+    let ends = drive.ends.as_ref()?;
+    let anchored = (ends.iter()).any(|end| matches!(end, ChainEnd::Anchored { .. }));
+    (!anchored && !has_prescribed_speed(drive)).then(|| {
+        "nothing holds the chain: both ends can move, and no sprocket has a prescribed speed; prescribe the speed of a sprocket \
+         (PrescribedSpeed(0.0) holds it), or anchor an end"
+            .to_string()
+    })
+}
+
 /// Return a description of a torque in a drive without a prescribed speed, if there is one.
 fn loose_torque(drive: &Drive) -> Option<String> {
-    let motions = || drive.sprockets.iter().map(|sprocket| &sprocket.motion);
-    let held = motions().any(|motion| matches!(motion, SprocketMotion::PrescribedSpeed(_)));
-    let turned = motions().position(|motion| match motion {
+    let mut motions = drive.sprockets.iter().map(|sprocket| &sprocket.motion);
+    let turned = motions.position(|motion| match motion {
         SprocketMotion::AppliedTorque(torque) => torque.value(0.0) != 0.0,
         SprocketMotion::TorqueCurve { .. } => true,
         _ => false,
     })?;
-    (!held && drive.ends.is_none()).then(|| {
+    (drive.ends.is_none() && !has_prescribed_speed(drive)).then(|| {
         format!(
             "nothing holds the torque on sprocket {}: no sprocket has a prescribed speed",
             turned + 1

@@ -188,6 +188,39 @@ def test_check_warns_of_a_load_that_the_pretension_cannot_hold():
         assert not [w for w in drive.check().warnings if "jump" in w]
 
 
+def told_of_jumps(*motions, **first):
+    """Return the warnings of a drive with these motions, and with properties of its first sprocket."""
+    drive = overloaded()
+    sprockets = [
+        replace(sprocket, motion=motion, initial_speed=None)
+        for sprocket, motion in zip(drive.sprockets, motions, strict=True)
+    ]
+    sprockets[0] = replace(sprockets[0], **first)
+    drive = replace(drive, sprockets=tuple(sprockets))
+    return [w for w in drive.check().warnings if "jump" in w]
+
+
+def test_the_chain_transmits_what_a_motor_leaves_beside_its_own_inertia():
+    motor = rc.AppliedTorque(20.0)
+    # Nothing else is driven but the chain and a disc of 5e-3 kg m^2.
+    assert not told_of_jumps(motor, rc.Free(), load_inertia=0.5)
+    # Most of the torque accelerates the disc; a run jumps after 97 ms.
+    (told,) = told_of_jumps(motor, rc.Free())
+    assert "on sprocket 1 needs" in told
+    # At constant speed all of it goes to the load: 29.41 N m at a pitch radius of 50.66 mm.
+    (told,) = told_of_jumps(motor, rc.AppliedTorque(-20.0 * 25 / 17), load_inertia=0.5)
+    assert "needs 580.5 N more" in told
+
+
+def test_a_load_that_grows_with_speed_counts_at_the_highest_speed():
+    fan = rc.AppliedTorque(curve=[(0.0, 0.0), (20.0, -4.0), (40.0, -16.0)])
+    from_rest = rc.PrescribedSpeed([(0.0, 0.0), (1.0, 40.0)])
+    (told,) = told_of_jumps(from_rest, fan)
+    # 40 rad/s of 17 teeth are 27.2 rad/s of 25 teeth: -4 - 7.2/20 * 12 N m.
+    assert "the load of 8.3200 N m on sprocket 2" in told
+    assert not told_of_jumps(rc.PrescribedSpeed(10.0), fan)
+
+
 @pytest.mark.parametrize(
     "stop", [{"sprocket": 0}, {"sprocket": 1.5}, {"sprocket": "driver"}, {"sprocket": True}]
 )

@@ -191,3 +191,13 @@ def test_a_refused_static_start_names_the_torque_that_nothing_holds():
     with pytest.raises(rc.InvalidInput, match="nothing holds the torque on sprocket 1") as caught:
         rc.Simulation(loose, start="static")
     assert "tension" not in str(caught.value)
+
+
+def test_a_refused_static_start_says_that_nothing_holds_an_open_chain():
+    ends = rc.LoadedEnd(5.0), rc.LoadedEnd(2.0)
+    hoist = rc.open_chain("ANSI 40", ends, 40, [rc.Sprocket(17, (0.0, 0.0))])
+    with pytest.raises(rc.InvalidInput, match="nothing holds the chain") as caught:
+        rc.Simulation(hoist, start="static")
+    assert "nearer to rest" not in str(caught.value)
+    held = replace(hoist.sprockets[0], motion=rc.PrescribedSpeed(0.0))
+    assert rc.Simulation(replace(hoist, sprockets=(held,)), start="static").rest
