@@ -24,8 +24,8 @@ class Solver(Description):
         (Adams-Bashforth-Moulton, Shampine and Gordon 1975); stiff contacts limit its step size.
         "newton": Newton's method with analytical derivatives of all contacts. In drives they are
         without small terms that would make the matrix unsymmetric. Order 2, the trapezoidal rule,
-        during stiff vibration of contacts, higher orders where the motion is smooth. "auto": the cheaper of the two, switched during the run; with ideal hinges
-        always "newton".
+        during stiff vibration of contacts, higher orders where the motion is smooth. "auto": the
+        cheaper of the two, switched during the run; with ideal hinges always "newton".
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
         them is given, they replace `accuracy`; the other is then 1e-5. `rtol` is 0, or 1e-15 or

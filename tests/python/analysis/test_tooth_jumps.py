@@ -189,7 +189,7 @@ def test_check_warns_of_a_load_that_the_pretension_cannot_hold():
 
 
 def told_of_jumps(*motions, **first):
-    """Return the warnings of a drive with these motions, and with properties of its first sprocket."""
+    """Return the warnings of jumps of a drive with these motions and a changed first sprocket."""
     drive = overloaded()
     sprockets = [
         replace(sprocket, motion=motion, initial_speed=None)
