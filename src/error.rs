@@ -62,7 +62,9 @@ pub enum Error {
     },
     /// The tolerances are below what rounding permits.
     #[error(
-        "tolerances are {factor:.1} times below what rounding allows at t = {time:.9} s, {culprit}: raise rtol or atol, or accuracy where they are not given"
+        "tolerances are below what rounding allows at t = {time:.9} s, where a coordinate or its rate is {value:.3e}, {culprit}: \
+         raise rtol or atol, or accuracy where they are not given, at least {:.2} times; a coordinate that grows, such as the angle of a \
+         rotor, needs more", .factor.max(1.01)
     )]
     ToleranceTooSmall {
         /// Time reached \[s\].
@@ -71,6 +73,8 @@ pub enum Error {
         step_size: f64,
         /// Factor by which both tolerances must grow.
         factor: f64,
+        /// Coordinate, or its rate, with the largest ratio of state to tolerance.
+        value: f64,
         /// Body with the largest ratio of state to tolerance, and its contact.
         culprit: String,
     },

@@ -235,13 +235,14 @@ impl Adams {
         let rounding = ROUNDING * self.norm_of(y);
         let size = |i: usize| (y[i] * weights[i]).abs();
         if rounding > SAFE_ERROR {
+            let component = (0..controlled).max_by(|&a, &b| size(a).total_cmp(&size(b)));
+            let component = component.unwrap_or(0);
             return Err(StepFailure::ToleranceTooSmall {
                 time: self.time,
                 step_size: self.next.size,
                 factor: rounding / SAFE_ERROR,
-                component: (0..controlled)
-                    .max_by(|&a, &b| size(a).total_cmp(&size(b)))
-                    .unwrap_or(0),
+                value: y[component],
+                component,
             });
         }
         Ok(())

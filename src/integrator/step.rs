@@ -45,6 +45,8 @@ pub enum StepFailure {
         step_size: f64,
         /// Factor by which the tolerances are too small.
         factor: f64,
+        /// Value of the component.
+        value: f64,
         /// Component with the largest ratio of value and tolerance.
         component: usize,
     },
@@ -76,11 +78,13 @@ impl StepFailure {
                 time,
                 step_size,
                 factor,
+                value,
                 component,
             } => Error::ToleranceTooSmall {
                 time,
                 step_size,
                 factor,
+                value,
                 culprit: name(time, component),
             },
         }

@@ -126,7 +126,9 @@ fn largest_pulls(drive: &Drive, layout: &Layout) -> Vec<f64> {
             *share = inertia / pitch_radius(drive, i).powi(2);
         }
         let all = chain + shares.iter().sum::<f64>();
-        shares.iter_mut().for_each(|share| *share /= all);
+        for share in &mut shares {
+            *share /= all;
+        }
     }
     let total = |which: usize| pulls.iter().map(|pull| pull[which]).sum::<f64>();
     let (least, most) = (total(0), total(1));

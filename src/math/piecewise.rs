@@ -275,6 +275,12 @@ fn row_before(arguments: &[f64], x: f64) -> Option<usize> {
 /// Name and unit of the argument of a function of time.
 const TIME: (&str, &str) = ("time", "s");
 
+/// Least distance of two rows in time, over the time: four times the rounding that the end of a step may have (`signal.rs`).
+///
+/// Inputs are read on one side of a row that is at the end of a step. Nearer rows would be one, and the jump between them lost. Doubled:
+/// rows that are 1e-14 of the time apart are refused, too.
+const LEAST_DISTANCE: f64 = 64.0 * f64::EPSILON;
+
 fn check_rows(
     field: &str,
     (axis, axis_unit): (&str, &str),
@@ -295,17 +301,26 @@ fn check_rows(
         check::finite(&format!("{field} ({axis})"), argument, axis_unit)?;
         check::finite(&format!("{field} (value)"), value, unit)?;
     }
-    match rows.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
-        None => Ok(()),
-        Some(pair) => {
-            let [before, after] = [pair[0].0, pair[1].0].map(|x| format!("{x} {axis_unit}"));
-            Err(Error::invalid(
-                field,
-                format!("{} after {}", after.trim_end(), before.trim_end()),
-                format!("{axis}s must increase from row to row"),
-            ))
-        }
+    let refused = |pair: &[(f64, f64)], expected: String| {
+        let [before, after] = [pair[0].0, pair[1].0].map(|x| format!("{x} {axis_unit}"));
+        let given = format!("{} after {}", after.trim_end(), before.trim_end());
+        Err(Error::invalid(field, given, expected))
+    };
+    let least = |pair: &[(f64, f64)]| LEAST_DISTANCE * pair[0].0.abs().max(pair[1].0.abs());
+    if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
+        return refused(pair, format!("{axis}s must increase from row to row"));
     }
+    let near = |pair: &&[(f64, f64)]| pair[1].0 - pair[0].0 < least(pair);
+    if axis == TIME.0
+        && let Some(pair) = rows.windows(2).find(near)
+    {
+        let expected = format!(
+            "are one time to rounding: a jump needs rows that are {:.0e} {axis_unit} or more apart",
+            2.0 * least(pair)
+        );
+        return refused(pair, expected);
+    }
+    Ok(())
 }
 
 #[cfg(test)]

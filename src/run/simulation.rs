@@ -312,6 +312,8 @@ impl<S: System> Simulation<S> {
     /// Continue after a change of an input at the present time, where the integrator has restarted.
     pub(super) fn resume(&mut self) {
         self.limit_step();
+        // The integrator may have gone back: its time since the window began is not that of the steps.
+        self.progress = Progress::from(self.adams.counts(), self.adams.time());
         if let Some(recorder) = &mut self.recorder {
             recorder.keep_step_forces(&self.system);
         }

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from rustchain.results.result import Result
 
+_FEWEST = 16  # rows of a spectrum or a segment of it
+
 
 def spectrum(
     result: Result,
@@ -38,8 +40,8 @@ def spectrum(
     name : str
         Name in `arrays`, such as "strand_tension" or "sprocket_speed".
     segment : float, optional
-        Length of the segments [s] that are averaged; by default one segment, the finest
-        resolution.
+        Length of the segments [s] that are averaged, at least 16 rows; by default one segment, the
+        finest resolution.
     """
     from rustchain.extras import xarray as xr
 
@@ -86,7 +88,7 @@ def welch(time: Array, values: Array, segment: Number | None) -> tuple[Array, Ar
     """
     from rustchain.extras import signal
 
-    if len(time) < 16:
+    if len(time) < _FEWEST:
         msg = (
             f"start, end: {counted(len(time), 'rows')}: too few for a spectrum; take a longer part"
         )
@@ -98,7 +100,12 @@ def welch(time: Array, values: Array, segment: Number | None) -> tuple[Array, Ar
     even = time[0] + step * np.arange(int((time[-1] - time[0]) / step + 0.5) + 1)
     flat = values.reshape(-1, values.shape[-1])
     resampled = np.stack([np.interp(even, time, one) for one in flat])
-    whole = len(even) * step if segment is None else min(segment, len(even) * step)
-    points = min(max(round(whole / step), 16), len(even))
+    points = len(even) if segment is None else min(round(segment / step), len(even))
+    if points < min(_FEWEST, len(even)):
+        msg = (
+            f"segment = {segment:g}: has {counted(points, 'rows')} of {step:.4g} s; expected at "
+            f"least {_FEWEST * step:.4g} s, which are {_FEWEST} rows"
+        )
+        raise InvalidInput(msg)
     frequency, density = signal.welch(resampled, 1.0 / step, nperseg=points, detrend="linear")
     return frequency, density.reshape(*values.shape[:-1], -1)

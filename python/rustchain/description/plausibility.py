@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rustchain.description.chain import Chain
     from rustchain.description.drive import ChainDrive
     from rustchain.description.mechanism.builder import Mechanism
-    from rustchain.description.mechanism.parts import Body
+    from rustchain.description.mechanism.parts import Body, Contact, Force, Joint
     from rustchain.description.scene import Scene
     from rustchain.description.sprocket import Sprocket
 
@@ -53,9 +53,11 @@ _RANGES = {
         (
             _LENGTH,
             {
-                "Joint": ("point_a", "point_b"),
+                "Joint": ("point_a", "point_b", "radius"),
                 "Force": ("point_a", "point_b"),
-                "Contact": ("point_a", "point_b", "radius"),
+                "Contact": ("point_a", "point_b", "radius", "profile_radius"),
+                "LinearContact": ("length",),
+                "SurfaceContact": ("length",),
             },
         ),
         (_Range(0.0, 3.0, "m", _MILLIMETRES), {"Chain": ("pitch",)}),
@@ -82,6 +84,7 @@ _RANGES = {
 _WIDEST = 10.0
 # Angles at the start [rad]: 45 degrees given as a number are 7 turns.
 _LARGEST_ANGLE = 4.0 * math.pi
+_ANGLE = _Range(0.0, _LARGEST_ANGLE, "rad", _DEGREES)
 # Speed of the fastest rotors, 300 000 revolutions a minute [rad/s].
 _FASTEST = 3.2e4
 # Speed of the fastest roller chains [m/s]; 17 teeth of 12.7 mm at 1440 rad/s have 49.8.
@@ -283,9 +286,39 @@ def _body(body: Body, *_: str) -> Iterator[str]:
         )
 
 
+def _joint(joint: Joint, *_: str) -> Iterator[str]:
+    """Tell of the length or angle that a joint holds, and of the motion of a driver."""
+    if joint.value is not None and joint.kind in ("distance", "rack"):
+        yield from _outside(_LENGTH, joint.value, f"value of joint {joint.name!r}")
+    if joint.value is not None and joint.kind in ("fixed", "prismatic"):
+        yield from _outside(_ANGLE, joint.value, f"value of joint {joint.name!r}")
+    fastest = _largest(joint.motion)
+    if joint.kind == "driven_angle" and joint.by_speed and fastest > _FASTEST:
+        yield f"speed of driver {joint.name!r} reaches {fastest:.4g} rad/s: give it in rad/s"
+    if joint.kind == "driven_position" and not joint.by_speed:
+        yield from _outside(_LENGTH, fastest, f"position of driver {joint.name!r}")
+
+
+def _force(force: Force, *_: str) -> Iterator[str]:
+    """Tell of the length or angle of a spring without force."""
+    usual = {"spring": _LENGTH, "torsion_spring": _ANGLE}.get(force.kind)
+    if usual is not None and force.rest is not None:
+        yield from _outside(usual, force.rest, f"rest of force {force.name!r}")
+
+
+def _contact(contact: Contact, *_: str) -> Iterator[str]:
+    """Tell of an outline of an unusual size."""
+    points = [point for point in contact.points if len(point) == 2]
+    farthest = max((abs(float(at)) for point in points for at in point), default=0.0)
+    yield from _outside(_LENGTH, farthest, f"points of contact {contact.name!r}, the farthest")
+
+
 _CHECKS: dict[str, Callable[..., Iterator[str]]] = {
     "Body": _body,
     "Chain": _chain,
     "ChainDrive": _drive,
+    "Contact": _contact,
+    "Force": _force,
+    "Joint": _joint,
     "Scene": _scene,
 }

@@ -72,7 +72,7 @@ class Table(_Signal):
     Attributes
     ----------
     rows : sequence of (time, value)
-        One row or more; times increase.
+        One row or more; times increase. Times that are equal to rounding are refused.
 
     Examples
     --------
@@ -93,7 +93,7 @@ class Spline(_Signal):
     Attributes
     ----------
     rows : sequence of (time, value)
-        Two rows or more; times increase.
+        Two rows or more; times increase. Times that are equal to rounding are refused.
 
     Examples
     --------

@@ -191,6 +191,9 @@ def _gif(animation: Animation) -> bytes:
     """Return the frames as a GIF that repeats; all frames share the colours of some."""
     from PIL import Image
 
+    # Delays of a GIF are hundredths of a second; no viewer shows less than two.
+    delay = 10 * max(2, round(100.0 / animation.fps))
+    animation = replace(animation, fps=1000.0 / delay)
     count = animation.frame_count
     picked = np.unique(np.linspace(0, count - 1, 5).astype(int))
     sample = np.concatenate(list(animation.frames(picked)))
@@ -210,8 +213,6 @@ def _gif(animation: Animation) -> bytes:
         return image
 
     images = map(image_of, animation.frames())
-    # Delays of a GIF are hundredths of a second; no viewer shows less than two.
-    delay = 10 * max(2, round(100.0 / animation.fps))
     file = BytesIO()
     next(images).save(
         file, "GIF", save_all=True, append_images=images, duration=delay, loop=0, optimize=False

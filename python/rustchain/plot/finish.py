@@ -21,6 +21,12 @@ def note(axes: Axes, text: str) -> None:
     )  # fmt: skip
 
 
+def as_written(name: str) -> str:
+    """Return a name of the user for a figure: `$` begins no formula, `_` hides no legend entry."""
+    shown = name.replace("$", r"\$")
+    return f" {shown}" if shown.startswith("_") else shown
+
+
 def finish(all_axes: Iterable[Axes]) -> None:
     """Show curves of one row as markers, and axes without offsets."""
     for axes in all_axes:

@@ -14,6 +14,7 @@ from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, ORANGE, RED
+from rustchain.plot.finish import as_written
 from rustchain.plot.style import (
     Ax,
     Figures,
@@ -69,7 +70,7 @@ class MechanismFigures(Figures):
             view = self.result.body(name)
             values = getattr(view, quantity)[rows]
             for axes, column in zip(cells, values.T, strict=True):
-                axes.plot(view.time[rows], column, color=_color(k), label=name)
+                axes.plot(view.time[rows], column, color=_color(k), label=as_written(name))
         for axes, label in zip(cells, labels, strict=True):
             axes.set_ylabel(label if quantity == "position" else f"{quantity}, {label}")
         cells[-1].set_xlabel("time [s]")
@@ -90,7 +91,7 @@ class MechanismFigures(Figures):
         figure, axes = subplots(ax=ax, figsize=(5.4, 4.6))
         for k, name in enumerate(names):
             way = self.result.body(name).position[rows, :2]
-            axes.plot(*way.T, color=_color(k), label=name)
+            axes.plot(*way.T, color=_color(k), label=as_written(name))
             axes.plot(*way[-1], "o", markersize=3.5, color=_color(k))
         limit_ticks(axes)
         axes.set(xlabel="x [m]", ylabel="y [m]")
@@ -111,7 +112,7 @@ class MechanismFigures(Figures):
             time = view.time[rows]
             axes.plot(time, view.peak_force[rows], color=RED, linewidth=0.5, label="largest")
             axes.plot(time, view.force[rows], color=BLUE, label="at the row")
-            axes.set_title(name)
+            axes.set_title(as_written(name))
         legend_outside(cells, "outside upper right", ax)
         return figure
 
@@ -142,7 +143,7 @@ def joint_loads_figure(
     for k, name in enumerate(names):
         view = result.joint(name)
         force = np.hypot(*view.force[rows].T)
-        upper.plot(view.time[rows], force, color=_color(k), label=name)
+        upper.plot(view.time[rows], force, color=_color(k), label=as_written(name))
         lower.plot(view.time[rows], view.torque[rows], color=_color(k))
     upper.set_ylabel("force [N]")
     lower.set_ylabel("torque [N m]")
@@ -164,7 +165,7 @@ def force_penetration_figure(
         touching = force > 0.0
         axes.plot(1e6 * depth[touching], force[touching], "o", markersize=1.8, color=BLUE)
         axes.set(xlim=(0.0, None), ylim=(0.0, None))
-        axes.set_title(name)
+        axes.set_title(as_written(name))
     return figure
 
 

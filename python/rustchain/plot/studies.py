@@ -16,6 +16,7 @@ from rustchain.arguments import finite_number, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREY, PAPER, RED
+from rustchain.plot.finish import as_written
 from rustchain.plot.motion import radius_of
 from rustchain.plot.style import Ax, panels, styled, subplots
 from rustchain.typing import Array, Count, Time
@@ -79,7 +80,7 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         else:
             titles[-1] = _over_axis(axes, values, found, over)
-        axes.set_title(f"{name}: {title}" if title else name)
+        axes.set_title(f"{as_written(name)}: {title}" if title else as_written(name))
     _legends(figure, cells, titles, ax)
     return figure
 
@@ -105,7 +106,7 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
         for k, (color, label) in enumerate(looks):
             line = lines.isel(_other=k).to_numpy()
             axes.plot(x, line, "o-", markersize=3.0, color=color, label=label)
-        axes.set_title(name)
+        axes.set_title(as_written(name))
         titles.append(", ".join(map(_named, others)))
     _legends(figure, cells, titles, ax)
     return figure
@@ -296,9 +297,9 @@ def draw_map(sweep: SweepResult, measure: str, *, ax: Ax = None) -> Figure:
             axis.set_ticks(np.arange(len(labels))[::every] + 0.5, labels[::every])
         axes.grid(visible=False)
         told = ", ".join(f"{other} = {_told(here[other].item())}" for other in others)
-        axes.set_title(f"{measure}: {told}" if told else measure)
+        axes.set_title(f"{as_written(measure)}: {told}" if told else as_written(measure))
     if ax is None:
-        figure.colorbar(drawn, ax=cells, label=measure)
+        figure.colorbar(drawn, ax=cells, label=as_written(measure))
     return figure
 
 
@@ -392,8 +393,8 @@ def _in_bins(found: xr.Dataset, scale: float, orders: Array) -> Array:
 def _named(axis: str) -> str:
     """Return the label of an axis of a sweep, with the unit where it follows from the name."""
     unit = _UNITS.get(axis.rsplit(".", 1)[-1])
-    return axis if unit is None else f"{axis} [{unit}]"
+    return as_written(axis) if unit is None else f"{as_written(axis)} [{unit}]"
 
 
 def _told(value: object) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.4g}" if isinstance(value, float) else as_written(str(value))

@@ -130,7 +130,7 @@ def allowed_pressure(pitch: float, speed: float, teeth: int) -> float | None:
     at_pitch = np.array([np.interp(1e3 * pitch, _PITCHES, row) for row in values])
     turns = max(abs(speed) * 30.0 / pi, speeds[0])  # the table's first row holds for slower ones
     found = float(np.interp(turns, speeds, at_pitch, right=np.nan))
-    inside = 0.9 * _PITCHES[0] <= 1e3 * pitch <= _PITCHES[-1]
+    inside = _PITCHES[0] <= round(1e3 * pitch, 6) <= _PITCHES[-1]
     factor = 1.0 + _MORE_TEETH * (teeth - 17)
     return 1e6 * factor * found if inside and np.isfinite(found) else None
 

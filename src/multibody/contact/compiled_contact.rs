@@ -243,8 +243,9 @@ impl CompiledContact {
             let law = self.law_on(candidate.piece, memory);
             let force = law.force(depth, rate, memory.speed);
             let energy = law.energy(depth);
-            side_state.push -= candidate.weight * force.total * inward
-                + energy * fa.turned(candidate.weight_gradient);
+            let pressing = -candidate.weight * force.total * inward;
+            side_state.pressing += pressing;
+            side_state.push += pressing - energy * fa.turned(candidate.weight_gradient);
             loads.elastic += candidate.weight * energy;
             loads.dissipated += candidate.weight * force.dissipated;
         });

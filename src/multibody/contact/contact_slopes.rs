@@ -37,15 +37,16 @@ impl Pressed<'_> {
 }
 
 impl CompiledContact {
-    /// Call `visit` with the side and the force slopes of each contact point that has a force. `side_states` and `memory` are those of
-    /// the sides, evaluated at these frames.
+    /// Call `visit` with the side and the force slopes of each contact point that has a force, and those of the part of the force that has
+    /// friction. `side_states` and `memory` are those of the sides, evaluated at these frames.
     ///
-    /// The force on the circle is F = w f n - E ∇w, with outward normal n and weight w. The penetration rate is δ' = -n·v.
+    /// The force on the circle is F = w f n - E ∇w, with outward normal n and weight w, and its first term has friction. The penetration
+    /// rate is δ' = -n·v.
     pub(crate) fn slopes(
         &self,
         frames: &[Frame],
         (side_states, memory): (&[SideState], &[Memory]),
-        mut visit: impl FnMut(usize, &PairForce),
+        mut visit: impl FnMut(usize, &PairForce, &PairForce),
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let approach = self.approach(fa, fb);
@@ -62,7 +63,8 @@ impl CompiledContact {
                     normal: -found.contact.normal,
                     approach,
                 };
-                visit(0, &pressed.slopes(memory));
+                let slopes = pressed.slopes(memory);
+                visit(0, &slopes, &slopes);
             }
             return;
         };
@@ -86,15 +88,18 @@ impl CompiledContact {
             let pushed = pressed.slopes(memory);
             let elastic = law.force(depth, rate, memory.speed).elastic;
             let (w, energy) = (candidate.weight, law.energy(depth));
-            // The second derivative of the weight is neglected.
-            let slopes = PairForce {
-                force: w * pushed.force - energy * gradient,
-                by_place: w * pushed.by_place
-                    + pushed.force * gradient.transpose()
-                    + elastic * gradient * n.transpose(),
+            let pressing = PairForce {
+                force: w * pushed.force,
+                by_place: w * pushed.by_place + pushed.force * gradient.transpose(),
                 by_velocity: w * pushed.by_velocity,
             };
-            visit(candidate.side, &slopes);
+            // The second derivative of the weight is neglected.
+            let whole = PairForce {
+                force: pressing.force - energy * gradient,
+                by_place: pressing.by_place + elastic * gradient * n.transpose(),
+                ..pressing
+            };
+            visit(candidate.side, &whole, &pressing);
         });
     }
 }
@@ -121,17 +126,22 @@ impl ContactStates {
             &self.side_states[sides.clone()],
             &self.memory[sides.clone()],
         );
-        contact.slopes(frames, states, |_, force| visit(force, None));
+        contact.slopes(frames, states, |_, force, _| visit(force, None));
         if let Some(law) = &contact.friction {
             for k in sides.clone().filter(|&k| self.side_states[k].force > 0.0) {
-                let mut push = PairForce::default();
-                contact.slopes(frames, states, |side, part| {
+                let mut pressing = PairForce::default();
+                contact.slopes(frames, states, |side, _, part| {
                     if sides.start + side == k {
-                        push.add(part);
+                        pressing.add(part);
                     }
                 });
+                if pressing.force == Vec2::zeros() {
+                    continue;
+                }
+                let inward = self.side_states[k].contact.normal;
                 let bent = model.bristle_of_side[k].map(|i| self.bristles.bent(i));
-                let (force, torque) = contact.friction_slopes(law, frames, &push, bent);
+                let (force, torque) =
+                    contact.friction_slopes(law, frames, (&pressing, inward), bent);
                 visit(&force, Some(&torque));
             }
         }

@@ -1,6 +1,8 @@
 //! Friction on the sides of a contact, from the resultant normal force of each side.
 //!
-//! The normal force of a side on the circle is N n, n pointing from the profile to the centre. The contact point is -r n from the
+//! The normal force of a side on the circle is N n, n pointing from the profile to the centre: the sum of w f n over the side's contact
+//! points with weights w, without the forces -E ∇w. These cancel over all sides, and would have friction of their own on each. In a concave
+//! polyline N may be negative: of three sides in contact the middle one has minus a part of what the outer ones have too much. The contact point is -r n from the
 //! circle's centre. The sliding velocity along t, left of n, is s = t·v - r ω. Here v and ω are the velocity of the centre and the
 //! angular velocity of b relative to a. The friction force φ = N h(s) acts on both bodies at the contact point. On b, about the
 //! centre, it is a force -φ t and a torque r φ. Chain drives have the same equations over vectors (`chain/rhs/chain/losses.rs`).
@@ -77,10 +79,11 @@ fn bristled(law: &LuGre, slip: f64, bent: BristleDeflection) -> Share {
 }
 
 impl CompiledContact {
-    /// Return normal, tangent and sliding velocity of a side with the normal force `push` on the circle, which is not zero.
-    fn sliding(&self, push: Vec2, fa: &Frame, fb: &Frame) -> Sliding {
-        let normal_force = push.norm();
-        let normal = push / normal_force;
+    /// Return normal, tangent and sliding velocity of a side with the normal force `pressing` on the circle, which is not zero. `inward` is
+    /// the normal into the material.
+    fn sliding(&self, pressing: Vec2, inward: Vec2, (fa, fb): (&Frame, &Frame)) -> Sliding {
+        let normal_force = pressing.norm().copysign(-pressing.dot(&inward));
+        let normal = pressing / normal_force;
         let tangent = turned_left(normal);
         let velocity = self.approach(fa, fb);
         Sliding {
@@ -103,10 +106,11 @@ impl CompiledContact {
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         for (side_state, number) in side_states.iter_mut().zip(numbers) {
-            if side_state.push == Vec2::zeros() {
+            if side_state.pressing == Vec2::zeros() {
                 continue;
             }
-            let at = self.sliding(side_state.push, fa, fb);
+            let inward = side_state.contact.normal;
+            let at = self.sliding(side_state.pressing, inward, (fa, fb));
             let share = share(law, at.slip, number.map(|i| bristles.bent(i)));
             let friction = at.normal_force * share.value;
             let force = -friction * at.tangent;
@@ -136,16 +140,17 @@ impl CompiledContact {
         loads.twist(self.a.body, -torque);
     }
 
-    /// Return friction force and torque of a side with their slopes, from the normal force `push` and its slopes.
+    /// Return friction force and torque of a side with their slopes, from the normal force `pressing` and its slopes; `inward` is the normal
+    /// into the material.
     pub(crate) fn friction_slopes(
         &self,
         law: &FrictionLaw,
         frames: &[Frame],
-        push: &PairForce,
+        (pressing, inward): (&PairForce, Vec2),
         bent: Option<BristleDeflection>,
     ) -> (PairForce, PairTorque) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let at = self.sliding(push.force, fa, fb);
+        let at = self.sliding(pressing.force, inward, (fa, fb));
         let (n, t) = (at.normal, at.tangent);
         let share = share(law, at.slip, bent);
         let friction = at.normal_force * share.value;
@@ -156,8 +161,8 @@ impl CompiledContact {
             let slip = -n.dot(&at.velocity) * turning;
             (turning, share.value * by.tr_mul(&n) + slope * slip)
         };
-        let (turning_by_place, by_place) = rows(&push.by_place);
-        let (turning_by_velocity, by_velocity) = rows(&push.by_velocity);
+        let (turning_by_place, by_place) = rows(&pressing.by_place);
+        let (turning_by_velocity, by_velocity) = rows(&pressing.by_velocity);
         // Derivatives of s = t·v - r ω at a constant normal: ∂s/∂v = t, ∂s/∂ω = -r.
         let by_velocity = by_velocity + slope * t;
         let by_spin = -slope * self.radius;

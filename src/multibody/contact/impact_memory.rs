@@ -32,6 +32,8 @@ pub(crate) struct SideState {
     pub(crate) force: f64,
     /// Normal force on the circle \[N\].
     pub(crate) push: Vec2,
+    /// The same without the gradients of weights, which cancel over all sides \[N\]: friction is a part of it.
+    pub(crate) pressing: Vec2,
     /// Force on the circle by friction and film \[N\].
     pub(crate) friction: Vec2,
 }
@@ -49,6 +51,7 @@ impl Default for SideState {
             tooth: None,
             force: 0.0,
             push: Vec2::zeros(),
+            pressing: Vec2::zeros(),
             friction: Vec2::zeros(),
         }
     }

@@ -16,7 +16,7 @@ def rows(count, channels=3):
     return 0.7 + STEP * np.arange(count), noise + 0.01 * np.arange(count)
 
 
-@pytest.mark.parametrize(("segment", "points"), [(None, 200), (0.05, 50), (1e-4, 16), (9.0, 200)])
+@pytest.mark.parametrize(("segment", "points"), [(None, 200), (0.05, 50), (0.016, 16), (9.0, 200)])
 def test_segments_are_those_of_welch(segment, points):
     time, values = rows(200)
     frequency, density = welch(time, values, segment)
@@ -65,6 +65,13 @@ def test_a_segment_without_length_is_refused(segment):
     time, values = rows(64)
     with pytest.raises(rc.InvalidInput, match="must be a positive number in s"):
         welch(time, values, segment)
+
+
+def test_a_segment_of_fewer_rows_than_a_spectrum_has_is_refused():
+    time, values = rows(64)
+    message = r"segment = 0.005: has 5 rows of 0.001 s; expected at least 0.016 s"
+    with pytest.raises(rc.InvalidInput, match=message):
+        welch(time, values, 0.005)
 
 
 def test_the_array_keeps_its_axes_and_has_its_unit_squared():

@@ -208,6 +208,44 @@ def test_mechanisms_have_the_same_limits():
     assert told.startswith("law.material.elastic_modulus of contact 'floor' = 207 Pa: ")
 
 
+def a_joined_body():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("arm", 1.0, 0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "arm", at=(0.0, 0.0))
+    return mechanism
+
+
+LAW = rc.LinearContact(1e6)
+OF_MECHANISMS = {
+    "speed of driver 'd' reaches 1e+06 rad/s": ("add_driver", {"speed": 1e6}),
+    "rest of force 'd' = 300 m": ("add_spring", {"stiffness": 100.0, "rest_length": 300.0}),
+    "rest of force 'd' = 90 rad": (
+        "add_torsion_spring", {"stiffness": 100.0, "rest_angle": 90.0},
+    ),
+    "profile_radius of contact 'd' = 200 m": (
+        "add_clearance_joint", {"bore_radius": 200.0, "pin_radius": 0.03, "law": LAW},
+    ),
+    "points of contact 'd', the farthest = 1000 m": (
+        "add_outline_contact",
+        {"points": [(1e3, -0.5), (-1e3, -0.5)], "radius": 0.03, "law": LAW, "closed": False},
+    ),
+    "law.length of contact 'd' = 1e+04 m": (
+        "add_clearance_joint",
+        {"bore_radius": 0.04, "pin_radius": 0.03, "pin_point": (-0.5, 0.0),
+         "law": rc.LinearContact(1e6, length=1e4)},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("says", OF_MECHANISMS)
+def test_parts_of_mechanisms_in_another_unit_are_told(says):
+    call, given = OF_MECHANISMS[says]
+    mechanism = a_joined_body()
+    assert not mechanism.check().warnings
+    getattr(mechanism, call)("d", "ground", "arm", **given)
+    assert [text for text in mechanism.check().warnings if text.startswith(says)]
+
+
 def told_at_rest(drive):
     return [text for text in drive.check().warnings if "no sprocket has a speed" in text]
 

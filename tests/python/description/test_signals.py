@@ -241,3 +241,26 @@ def test_a_python_function_is_no_signal(what):
     call, remedy = NOT_SAMPLED[what]
     with pytest.raises(rc.InvalidInput, match=f"is a Python function; expected .*{remedy}"):
         call()
+
+
+@pytest.mark.parametrize("start", [0.01, 400.0, -3.0])
+def test_rows_that_are_one_time_to_rounding_are_refused(start):
+    for kind in (rc.Table, rc.Spline):
+        with pytest.raises(rc.InvalidInput, match="are one time to rounding: a jump needs rows"):
+            drive_with(kind([(start, 0.0), (math.nextafter(start, math.inf), 0.5)])).check()
+    anchor = ((start, 0.0), (start + 1e-15 * abs(start), 0.5))
+    with pytest.raises(rc.InvalidInput, match="one time to rounding"):
+        rc.AnchoredEnd((0, 0), (rc.Table(anchor), 0.0))
+    # The proposed distance is enough, for motion and work.
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("wheel", 1.0, 0.5)
+    mechanism.add_revolute("axle", "ground", "wheel")
+    jump = 5e-3 + 3e-14 * 5e-3
+    mechanism.add_driver("motor", "ground", "wheel", speed=[(5e-3, 0.0), (jump, 2.0)])
+    energy = rc.Simulation(mechanism).run(0.01, 1e-3, progress=False).energy
+    assert energy.kinetic[-1] == pytest.approx(1.0)
+    assert energy.external_work[-1] == pytest.approx(1.0, rel=1e-6)
+
+
+def test_curves_over_speed_have_rows_at_any_distance():
+    rc.AppliedTorque(curve=[(1.0, 0.0), (math.nextafter(1.0, 2.0), -3.0)])

@@ -123,6 +123,18 @@ def test_a_gif_has_its_frames_and_they_move(tmp_path):
     assert (np.abs(frames[1] - frames[0]).max(axis=2) > 60).mean() > 0.01
 
 
+@pytest.mark.parametrize(
+    ("fps", "delay", "frames"), [(30.0, 30, 14), (60.0, 20, 20), (1e3, 20, 20)]
+)
+def test_a_gif_keeps_its_slow_motion_at_the_nearest_delay_it_can_have(tmp_path, fps, delay, frames):
+    path = tmp_path / "run.gif"
+    RESULT.animate(path, slow_motion=20.0, fps=fps, width=100)  # 20 ms in 0.4 s
+    with Image.open(path) as image:
+        assert image.info["duration"] == delay
+        assert image.n_frames == frames
+        assert image.n_frames * delay == pytest.approx(400, abs=delay)
+
+
 def test_slow_motion_and_a_part_of_the_time_set_the_frames():
     film = RESULT.animate(start=0.005, end=0.015, slow_motion=100.0, fps=25.0)
     assert film.frame_count == 25

@@ -118,3 +118,19 @@ def test_residuals_of_zero_do_not_stretch_the_axis(zeros):
     largest = max(values.max() for values in arrays.values())
     assert 1e-22 < low <= 1e-20
     assert high <= 1e3 * max(largest, 1e-20)
+
+
+def test_names_are_shown_as_they_are():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("_arm $x$", 1.0, 0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("$a_b^{$", "ground", "_arm $x$", at=(0.0, 0.0))
+    result = rc.Simulation(mechanism).run(2e-3, progress=False)
+    for figure, name in (
+        (result.plot.motion(), "_arm $x$"),
+        (result.plot.paths(), "_arm $x$"),
+        (result.plot.joint_loads(), "$a_b^{$"),
+    ):
+        figure.canvas.draw()
+        (legend,) = figure.legends
+        (text,) = legend.get_texts()
+        assert text.get_text().replace("\\", "").strip() == name

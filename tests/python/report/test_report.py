@@ -78,6 +78,7 @@ def test_strands_share_the_load(result):
         (12.7e-3, 3000.0, 17, None),
         (38.1e-3, 1000.0, 17, None),
         (8e-3, 200.0, 17, None),
+        (11.5e-3, 200.0, 17, None),
     ],
 )
 def test_the_allowable_pressure_is_that_of_the_table(pitch, turns, teeth, expected):

@@ -67,6 +67,36 @@ def test_a_block_with_bristles_sticks_where_one_with_coulomb_friction_creeps():
     assert abs(moved[rc.LuGre]) < 1e-7
 
 
+@pytest.mark.parametrize("corners", [300, 1000, 3000])
+def test_friction_on_a_polyline_is_that_on_the_arc_which_it_approximates(corners):
+    law = rc.LinearContact(1e5, friction=rc.Coulomb(0.2))
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("disc", 1.0, 0.02)
+    angles = -2.0 * np.pi * np.arange(corners) / corners
+    points = np.column_stack([0.1 * np.cos(angles), 0.1 * np.sin(angles)])
+    mechanism.add_outline_contact("bore", "ground", "disc", points, 0.05, law)
+    simulation = rc.Simulation(mechanism)
+    # 0.5 mm and 1.6 mm deep, where up to fifty sides are in contact.
+    for place, depth in ((0.0505, 0.5e-3), (0.0516, 1.6e-3)):
+        found = simulation.evaluate([(place, 1e-4, 0.0)], [(0.0, 0.0, 10.0)])
+        torque = 0.02 * found.accelerations[0, 2]
+        assert torque == pytest.approx(-0.2 * 0.05 * 1e5 * depth, rel=0.02)
+
+
+def test_friction_in_a_flat_corner_is_that_of_its_load():
+    law = rc.LinearContact(1e5, friction=rc.Coulomb(0.2))
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("disc", 1.0, 0.02, position=(0.0, 0.06, 0.0))
+    rise = np.tan(np.radians(1.0))
+    points = [(1.0, rise), (0.0, 0.0), (-1.0, rise)]
+    mechanism.add_outline_contact("corner", "ground", "disc", points, 0.05, law, closed=False)
+    found = rc.Simulation(mechanism).evaluate([(0.0, 0.049, 0.0)], [(0.0, 0.0, 10.0)])
+    load = found.accelerations[0, 1]
+    torque = 0.02 * found.accelerations[0, 2]
+    assert load == pytest.approx(1e5 * 1e-3, rel=0.02)
+    assert torque == pytest.approx(-0.2 * 0.05 * load, rel=0.01)
+
+
 def test_pin_friction_takes_the_same_angle_off_each_swing():
     mu, radius = 0.02, 0.01
     m = pendulum(friction=rc.Coulomb(mu, speed=1e-6), radius=radius)

@@ -284,6 +284,21 @@ def test_a_state_is_the_users_own(under_way):
         assert_same_state(one.state(), kept)
 
 
+def test_an_input_that_is_set_after_a_state_goes_back_without_a_standstill():
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("wheel", 1.0, 0.5)
+    mechanism.add_revolute("axle", "ground", "wheel")
+    mechanism.add_torque("load", "wheel", torque=0.1)
+    solver = rc.Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=1.0)
+    simulation = rc.Simulation(mechanism, solver=solver)
+    simulation.step_to(9.3)  # the integrator is half a second ahead
+    simulation.set_state(simulation.state())
+    simulation.set_torque("load", rc.Sines([(1.0, 3e5, 0.0)]))
+    # More than 1e5 steps, in which the mean step size is taken.
+    simulation.step_to(9.9)
+    assert simulation.stats["steps"] > 1e5
+
+
 def test_a_state_does_not_move_on_with_its_simulation():
     simulation = rc.Simulation(rc.paper_drive())
     simulation.step_to(4e-3)
