@@ -9,11 +9,14 @@ from rustchain.errors import MissingExtra
 
 def main() -> None:
     """Run the command."""
-    try:
-        from rustchain.cli.app import app
-    except MissingExtra as error:
-        sys.exit(f"error: {error}")
     # Ended by a scheduler or a supervisor, a command keeps what is there as after Ctrl-C.
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-    app()
+    try:
+        from rustchain.cli.app import app
+
+        app()
+    except MissingExtra as error:
+        sys.exit(f"error: {error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # INTERRUPTED of common, whose import may be what was ended

@@ -6,10 +6,11 @@ import dataclasses
 import json
 import math
 import os
+import sys
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, TextIO
@@ -21,7 +22,7 @@ from rustchain.extras import typer
 from rustchain.files.reader import value_of_text
 from rustchain.files.scene import SceneFile
 from rustchain.names import suggest
-from rustchain.paths import check_writable, path_of
+from rustchain.paths import check_writable, path_of, reason
 from rustchain.sweeps.axes import parameter_names
 
 FAILED_CASES = 3
@@ -62,8 +63,8 @@ Settings = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="Change a field, as often as given: pretension=25, chain.material.restitution=0.5, "
-        "sprockets.2.motion={torque=-3}, start=static, force_law={type='Hertz'}; values "
-        "as in TOML; text needs no quotes.",
+        "sprockets.2.motion={torque=-3}, start=static, chain='ISO 08B', force_law=Hertz, "
+        "force_law={type='Linear', stiffness=1e7}; values as in TOML; text needs no quotes.",
         autocompletion=_complete_setting,
     ),
 ]
@@ -83,17 +84,29 @@ class Output:
     def say(self, text: object) -> None:
         """Print a line of text."""
         if not (self.json or self.quiet):
-            typer.echo(text)
+            printed(text)
 
     def document(self, content: Mapping[str, Any]) -> None:
         """Print the document if JSON is requested."""
         if self.json:
-            typer.echo(json.dumps(_plain(content), indent=2, ensure_ascii=False))
+            printed(json.dumps(_plain(content), indent=2, ensure_ascii=False))
 
     @property
     def progress(self) -> bool:
         """Return whether progress is shown: a bar, or lines where there is no terminal."""
         return not self.quiet
+
+
+def printed(text: object) -> None:
+    """Print a line on the standard output; nothing where its reader has ended, as head does."""
+    try:
+        typer.echo(text)
+    except OSError as error:
+        # What is in its buffer would fail at the exit, too.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            msg = f"the standard output cannot be written ({reason(error)}); write it elsewhere"
+            raise type(error)(msg) from error
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401
@@ -137,6 +150,12 @@ def with_settings(file: SceneFile, settings: Sequence[str] | None) -> SceneFile:
             misuse(f"--set: {name!r} is there twice; give it once")
         parameters[name] = value
     return file.with_parameters(parameters, "--set") if parameters else file
+
+
+def with_options(file: SceneFile, names: Iterable[str]) -> SceneFile:
+    """Return the content of a file whose arguments of these names are values of options."""
+    options = {name: f"--{name.replace('_', '-')}" for name in names}
+    return replace(file, options={**file.options, **options})
 
 
 def named_value(option: str, text: str) -> tuple[str, Any]:
@@ -201,8 +220,8 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        reason = "there is a file of that name" if path.exists() else error.strerror
-        raise OSError(f"out: the folder {path} cannot be made ({reason}): name another") from error
+        why = "there is a file of that name" if path.exists() else error.strerror
+        raise OSError(f"out: the folder {path} cannot be made ({why}): name another") from error
 
 
 def check_file(path: Path, example: str) -> None:
@@ -244,7 +263,5 @@ def clear_errors() -> Iterator[None]:
         warnings.simplefilter("ignore", rc.CaseWarning)  # failed cases are told one by one
         try:
             yield
-        except BrokenPipeError:  # the reader of the output has ended, as head does
-            raise
         except (ValueError, LookupError, OSError, rc.RustchainError) as error:
             fail(error)

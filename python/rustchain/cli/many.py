@@ -94,7 +94,7 @@ def sweep(
                     progress=output.progress,
                 )
             except rc.InvalidInput as error:
-                raise described.refusal(error) from error
+                raise scene.refused_option(error) or described.refusal(error) from error
         path = _written(path, found, found.to_pandas, lambda: _dataset(found), output)
         _tell(found, path, store, output)
     _leave(found)
@@ -176,9 +176,9 @@ def study(
             _tell(found.sweep, None, store, output)
             _leave(found.sweep)
         table = found.to_pandas()
-        output.say(table.to_string(float_format=lambda number: f"{number:.5g}"))
         if path is not None:
             path = _written(path, found.sweep, found.to_pandas, lambda: found.statistics, output)
+        output.say(table.to_string(float_format=lambda number: f"{number:.5g}"))
         rows = table.reset_index().to_dict("records")
         _tell(found.sweep, path, store, output, {"statistics": rows})
     _leave(found.sweep)
@@ -219,14 +219,15 @@ def _written(
 
     A table of an interrupted sweep lacks cases that the one of before may have.
     """
-    if found.status == "interrupted" and path.exists():
-        output.say(f"{path}: is kept as it was, for the sweep was interrupted")
-        path = path.with_suffix(f".partial{path.suffix}")
+    is_kept = found.status == "interrupted" and path.exists()
+    new = path.with_suffix(f".partial{path.suffix}") if is_kept else path
     if path.suffix == ".csv":
-        write_whole(path, frame().to_csv().encode(), "out")
+        write_whole(new, frame().to_csv().encode(), "out")
     else:
-        netcdf.write(data(), path)
-    return path
+        netcdf.write(data(), new)
+    if is_kept:
+        output.say(f"{path}: is kept as it was, for the sweep was interrupted")
+    return new
 
 
 def _dataset(found: rc.SweepResult) -> xr.Dataset:

@@ -22,6 +22,7 @@ from rustchain.cli.common import (
     law_named,
     make_room,
     scene_file,
+    with_options,
 )
 from rustchain.extras import typer
 from rustchain.names import counted
@@ -104,27 +105,25 @@ def run(
             # One kind of tolerance takes the place of the other.
             solver |= {"rtol": rtol, "atol": atol}
         groups = None if record is None else [group.strip() for group in record.split(",")]
-        reports = {
-            "duration": scene.run.get("duration", 2.0) if duration is None else duration,
-            "report_step": report_step,
-            "record": groups,
-            "energy": energy,
-        }
-        scene = scene.changed(simulation, solver, _given(reports) | {"progress": output.progress})
+        reports = _given(
+            {"duration": duration, "report_step": report_step, "record": groups, "energy": energy}
+        )
+        scene = with_options(scene, [*reports, *_given({"memory": memory})])
+        defaults = {"duration": 2.0, **scene.run, "progress": output.progress}
+        scene = scene.changed(simulation, solver, defaults | reports)
         scene = scene if memory is None else replace(scene, memory=memory)
         path = out or scene.out or Path(f"{Path(drive).stem}.nc")
         _check_netcdf(path)
         make_room(path)
-        if path.exists():
-            output.say(f"{path}: is there and will be replaced")
+        was_there = path.exists()
         try:
             result = scene.run_simulation(scene.simulate(), path)
         except (rc.SimulationError, OSError) as error:
             found: rc.Result | None = getattr(error, "result", None)
             if found is not None and len(found.time):
-                _tell(found, path, output)
+                _tell(found, path, output, was_there)
             raise
-        _tell(result, path, output)
+        _tell(result, path, output, was_there)
     if result.status == "interrupted":
         raise typer.Exit(INTERRUPTED)
 
@@ -168,7 +167,7 @@ def _check_netcdf(path: Path) -> None:
     result_path(path, "out")
 
 
-def _tell(result: rc.Result, out: Path, output: Output) -> None:
+def _tell(result: rc.Result, out: Path, output: Output, replaced: bool) -> None:
     """Print what a run did and the path of its file."""
     stats, span = result.stats, result.time[-1] - result.time[0]
     wall = sum(seconds for name, seconds in stats.items() if name.startswith("wall_"))
@@ -190,6 +189,8 @@ def _tell(result: rc.Result, out: Path, output: Output) -> None:
             f"{balance['residual']:.1e} J{share} energy balance residual"
         )
     output.say(f"{result.message}: {counted(len(result.time), 'rows')} in {out}")
+    if replaced:
+        output.say(f"{out}: was there and has been replaced")
     output.document(
         {
             "status": result.status,

@@ -17,6 +17,7 @@ from rustchain.cli.common import (
     fail,
     make_room,
     scene_file,
+    with_options,
 )
 from rustchain.extras import typer
 from rustchain.results.netcdf import ENDINGS
@@ -144,7 +145,10 @@ def result_of(
             fail(f"{source}: has been run; --set and --duration are for a drive")
         return rc.load_result(source)
     file = scene_file(source, settings)
-    run = {"duration": file.run.get("duration", 2.0) if duration is None else duration}
-    run |= {"record": GROUPS[file.scene.kind], "energy": True, "progress": output.progress}
+    run = {"record": GROUPS[file.scene.kind], "energy": True, "progress": output.progress}
+    if duration is None:
+        run["duration"] = file.run.get("duration", 2.0)
+    else:
+        file, run["duration"] = with_options(file, ["duration"]), duration
     file = file.changed({}, {}, run)
     return file.run_simulation(file.simulate())

@@ -7,9 +7,17 @@ from pathlib import Path
 from typing import Annotated
 
 import rustchain as rc
-from rustchain.cli.common import AsJson, Output, Quiet, clear_errors, make_room
+from rustchain.cli.common import (
+    AsJson,
+    Output,
+    Quiet,
+    check_file,
+    clear_errors,
+    make_room,
+    printed,
+)
 from rustchain.extras import typer
-from rustchain.paths import write_whole
+from rustchain.paths import path_with_ending, write_whole
 
 
 def catalogue(
@@ -53,8 +61,10 @@ def schema(
     with clear_errors():
         text = json.dumps(schema_of_files(), indent=2, ensure_ascii=False)
         if out is None:
-            typer.echo(text)
+            printed(text)
             return
+        path_with_ending(out, "out", (".json",), "a JSON Schema is a JSON file")
+        check_file(out, "schema.json")
         make_room(out)
         write_whole(out, f"{text}\n".encode(), "out")
         Output(json=False, quiet=quiet).say(out)

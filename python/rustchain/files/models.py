@@ -45,7 +45,10 @@ def makers_of(kind: type) -> dict[str, Maker]:
     """Return what makes a value of `kind`, by name: the class, or those below an abstract one."""
     if kind in MAKERS:
         return dict(MAKERS[kind])
-    return {each.__name__: each for each in _concrete(kind)}
+    makers: dict[str, Maker] = {}
+    for each in _concrete(kind):
+        makers |= MAKERS.get(each, ((each.__name__, each),))
+    return makers
 
 
 def _concrete(kind: type) -> list[type]:

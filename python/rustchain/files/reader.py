@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
@@ -64,7 +63,8 @@ def value_of_text(where: str, name: str, text: str) -> Any:  # noqa: ANN401
     name : str
         What the value is of.
     text : str
-        A value of TOML, in which a table is a description with its type; or a word without quotes.
+        A value of TOML, in which a table is a description with its type; or text without quotes,
+        or the type of a description that needs no fields.
 
     Raises
     ------
@@ -76,13 +76,15 @@ def value_of_text(where: str, name: str, text: str) -> Any:  # noqa: ANN401
     except ValueError:
         content = {}
     if content.keys() != {"value"}:
-        if not re.fullmatch(r"[^\s\[\]{}\"']*", text):
+        if text.startswith(("[", "{", '"', "'")):
             msg = (
-                f"{where}: {name} = {shown(text)}: is no value of TOML; expected a number, a word, "
+                f"{where}: {name} = {shown(text)}: is no value of TOML; expected a number, text, "
                 "true, false, [list] or {type='Name', field=value}; quote it for the shell"
             )
             raise InvalidInput(msg)
-        content = {"value": text}
+        # Of a name, any text; of all else, that of a class is short for a table with its type.
+        is_class = text in tables_of(ANY) and name.rpartition(".")[2] != "name"
+        content = {"value": {"type": text} if is_class else text}
     reader = Reader(Source(Path(where), {name: content["value"]}))
     found = reader.value(content["value"], ANY, (name,))
     reader.check()
@@ -219,7 +221,8 @@ class Reader:
                     self.refuse((*key, each), f"unknown key; {suggest(each, known)}")
                 if unknown:
                     return _WRONG
-                listed = " or ".join(f"type = {each!r}" for each in makers)
+                fit = [each for each in makers if set(value) <= set(fields_of(makers[each]))]
+                listed = " or ".join(f"type = {each!r}" for each in fit or makers)
                 return self.refuse(key, f"its keys fit several types; expected one; add {listed}")
             given = value["type"]
             message = f"{shown(given)} is not known; {suggest(given, makers)}"

@@ -44,12 +44,15 @@ class SceneFile:
         Where `rustchain run` writes the result.
     memory : str or int, optional
         How much memory its rows then take.
+    options : dict
+        What gave the values that do not stand in the file: options of a command by the argument.
     """
 
     scene: Scene
     run: Mapping[str, Any] = field(default_factory=dict)
     out: Path | None = None
     memory: str | int | None = None
+    options: Mapping[str, str] = field(default_factory=dict)
     _source: Source | None = field(default=None, repr=False, compare=False)
 
     @classmethod
@@ -60,7 +63,7 @@ class SceneFile:
         source, found = read(path_of(path))
         run = dict(found["run"])
         out = run.pop("out", None)
-        return cls(found["scene"], run, out, run.pop("memory", None), source)
+        return cls(found["scene"], run, out, run.pop("memory", None), _source=source)
 
     def check(self) -> DriveReport | MechanismReport:
         """Return the report of the drive or mechanism; errors have their place in the file."""
@@ -109,7 +112,17 @@ class SceneFile:
         check_names(self.scene, run, [dict(parameters)], where)
         scene, run = case_of(self.scene, run, dict(parameters))
         given = {name: value for name, value in run.items() if value is not None}
-        return replace(self, scene=scene, run={**self.run, **given})
+        options = {**self.options, **{name: f"{where} {name}" for name in parameters}}
+        return replace(self, scene=scene, run={**self.run, **given}, options=options)
+
+    def refused_option(self, error: InvalidInput) -> InvalidInput | None:
+        """Return an error with the option that gave the value; None where no option did."""
+        text = str(error)
+        where = text.partition(" ")[0].rstrip(":")
+        name = where.rpartition(".")[2]
+        if name not in self.options:
+            return None
+        return InvalidInput(f"{self.options[name]}{text.removeprefix(where)}")
 
     def _check_duration(self) -> None:
         """Refuse a run without an end."""
@@ -119,11 +132,15 @@ class SceneFile:
 
     @contextmanager
     def _errors_located(self, section: str) -> Iterator[None]:
-        """Add the place in the file to errors."""
+        """Add the option or the place in the file to errors."""
         try:
             yield
         except InvalidInput as error:
-            if self._source is None or hasattr(error, "result"):
+            if hasattr(error, "result"):
+                raise
+            if (refused := self.refused_option(error)) is not None:
+                raise refused from error
+            if self._source is None:
                 raise
             key = _TABLES.get(str(error).partition(".")[0], (section,))
             raise self._source.refusal(key, str(error)) from error

@@ -48,6 +48,8 @@ _OF_SAMPLES = {
 }
 
 
+_DEPTHS = {"axes": 2, "cases": 3, "samples": 3}
+"""Length of the keys of parameters: axes.speed, cases.1.speed, samples.distributions.speed."""
 _FIGURES = (
     "tension_upper", "tension_lower", "tension_upper_std", "tension_lower_std",
     "hinge_contact_share", "hinge_force_p99", "hinge_force_largest", "tooth_force_p99",
@@ -210,7 +212,12 @@ class SweepFile:
             With a line for each thing that is wrong: file, line, column, key, value, and what is
             allowed.
         """
-        return _SweepReader(Source.of(path, "sweep file")).sweep(drive)
+        made = _SweepReader(Source.of(path, "sweep file")).sweep(drive)
+        try:
+            cases_of(made.axes)
+        except InvalidInput as error:
+            raise made.refusal(error) from error
+        return made
 
     def check(self, scene: Scene, duration: object) -> None:
         """Refuse, before anything runs, what no case of a scene can be measured by.
@@ -228,14 +235,33 @@ class SweepFile:
         """Return an error of the sweep with the place of the parameter that it names."""
         if self._source is None:
             return error
-        keys = [key for key in self._source.places if len(key) > 1 and isinstance(key[1], str)]
         text = str(error)
         for name in ("burn_in", "measure"):
             if text.startswith(name):
                 told = text.removeprefix("measure: ").removeprefix("burn_in = ")
                 return self._source.refusal_at((name,), told)
-        named = [key for key in keys if repr(key[1]) in text]
-        return self._source.refusal_at(named[0] if named else ("axes",), text)
+        keys = self._keys_of_parameters()
+        subject = text.partition("; ")[0]  # behind it are names that may be meant
+        named = [name for name in keys if repr(name) in subject]
+        if named:
+            first = min(named, key=lambda name: subject.index(repr(name)))
+            return self._source.refusal_at(keys[first], text)
+        last = text.partition(" ")[0].rstrip(":").rpartition(".")[2]  # of "Tensioner.stops = ..."
+        varied = [name for name in keys if name.rpartition(".")[2] == last]
+        if len(varied) == 1:
+            return self._source.refusal_at(keys[varied[0]], text)
+        if ("run", last) in self._source.places and not varied:
+            return self._source.refusal_at(("run", last), text)
+        return self._source.refusal_at(next(iter(keys.values()), ("axes",))[:1], text)
+
+    def _keys_of_parameters(self) -> dict[str, Key]:
+        """Return the first place of each parameter that the file varies."""
+        keys: dict[str, Key] = {}
+        for key in self._source.places if self._source is not None else ():
+            if len(key) == _DEPTHS.get(str(key[0])):
+                for name in str(key[-1]).split(","):
+                    keys.setdefault(name.strip(), key)
+        return keys
 
 
 class _SweepReader(Reader):

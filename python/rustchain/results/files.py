@@ -86,7 +86,19 @@ def load_result(path: FilePath) -> Result:
 
 
 def _check_format(path: object, attributes: Mapping[Any, Any]) -> None:
-    """Refuse the format of another version."""
+    """Refuse the format of another version, and the other files of sweeps."""
+    if "format" not in attributes and "case" in attributes:
+        msg = (
+            f"path = {shown_path(path)}: is a stored case of a sweep, without a result: load_sweep "
+            "reads its folder"
+        )
+        raise InvalidInput(msg)
+    if "format" not in attributes and "scene" not in attributes:
+        msg = (
+            f"path = {shown_path(path)}: is a table of a sweep or study, not a result: "
+            "xarray.open_dataset reads it; rustchain run writes results"
+        )
+        raise InvalidInput(msg)
     if (found := attributes.get("format", "none")) != FORMAT:
         msg = (
             f"path = {shown_path(path)}: has format {found}, this rustchain reads {FORMAT}: load "

@@ -13,7 +13,7 @@ import numpy as np
 
 from rustchain.arguments import shown
 from rustchain.catalogue.generators import chain_drive
-from rustchain.catalogue.standard import two_sprocket_drive
+from rustchain.catalogue.standard import catalogue_chain, two_sprocket_drive
 from rustchain.description.drive import (
     AppliedTorque,
     ChainDrive,
@@ -183,6 +183,8 @@ def _drive_with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
     seed = changes.get("replicate", 0)
     changes = {name: value for name, value in changes.items() if name != "replicate"}
     fields = {tuple(_target(name).split(".")): value for name, value in changes.items()}
+    if isinstance(chain := changes.get("chain"), str):
+        fields["chain",] = catalogue_chain(chain, drive.chain.links)
     if "pretension" in changes and fields.get(("tensioner",), drive.tensioner) is None:
         fields["tensioner",] = Tensioner(pretension=changes["pretension"])
     if "speed" in changes:

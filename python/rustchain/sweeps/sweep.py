@@ -77,8 +77,9 @@ def sweep(
     - an argument of the run: "duration", "report_step", "record", "energy";
     - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth". Sprockets,
       guides, ends and coordinates are numbered from 1, as everywhere in names: "sprockets.1" is
-      what ``result.sprocket(1)`` shows. No other field follows: with other teeth, centre distance
-      or links may have to change as well, which a function does best;
+      what ``result.sprocket(1)`` shows. "chain" takes a name of the catalogue, too, such as
+      "ISO 08B", with the present number of links. No other field follows: with other teeth, centre
+      distance or links may have to change as well, which a function does best;
     - a field of the mechanism, dotted: "bodies.1.mass", "joints.2.motion", "forces.1.stiffness",
       "contacts.1.law.friction". Parts are numbered in the order in which they were added.
 

@@ -3,12 +3,14 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 import rustchain as rc
 from cores import CoreAround, cores_within
+from rustchain.cli import main
 from rustchain.cli.app import app
 from rustchain.cli.common import Law
 
@@ -175,7 +177,9 @@ def test_a_run_is_written_to_the_name_of_its_drive_file(tmp_path, monkeypatch):
             done = rustchain("run", name, "--duration", 1e-3)
             assert done.exit_code == 0, done.output
             assert rc.load_result(path).success
-            assert (f"{path}: is there and will be replaced" in done.output) == said
+            assert (f"{path}: was there and has been replaced" in done.output) == said
+    done = rustchain("run", "paper", "--duration", -1)
+    assert "replaced" not in done.output
     assert not (tmp_path / "run.nc").exists()
 
 
@@ -188,6 +192,83 @@ def test_a_pipe_whose_reader_has_ended_is_no_error(command):
     done = subprocess.run(called, stdout=writing, stderr=subprocess.PIPE, text=True)
     os.close(writing)
     assert done.stderr == ""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes end otherwise there")
+def test_a_run_whose_output_has_no_reader_ends_well(tmp_path):
+    out = tmp_path / "run.nc"
+    out.write_text("of before")
+    reading, writing = os.pipe()
+    os.close(reading)
+    called = [sys.executable, "-m", "rustchain", "run", "paper", "--duration", "1e-3", "-o", out]
+    done = subprocess.run(called, stdout=writing, stderr=subprocess.PIPE, text=True)
+    os.close(writing)
+    assert done.returncode == 0, done.stderr
+    assert rc.load_result(out).success
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no device that is full")
+def test_a_standard_output_that_is_full_is_told_by_name():
+    with Path("/dev/full").open("w") as full:
+        called = [sys.executable, "-m", "rustchain", "catalogue"]
+        done = subprocess.run(called, stdout=full, stderr=subprocess.PIPE, text=True)
+    told = "error: the standard output cannot be written (No space left on device); write it"
+    assert (done.returncode, done.stderr.startswith(told)) == (1, True), done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_ctrl_c_before_the_commands_are_imported_has_the_code_of_ctrl_c(monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    monkeypatch.delitem(sys.modules, "rustchain.cli.app")
+    monkeypatch.setattr("builtins.__import__", interrupt)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 130
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "value", "said"),
+    [
+        ("run", "--duration", "nan", "--duration = NaN: must be a positive number in s"),
+        ("run", "--report-step", "0", "--report-step = 0: must be a positive number in s"),
+        ("run", "--memory", "1 cow", "--memory = '1 cow': expected a size such as"),
+        ("run", "--record", "teth", "--record: 'teth' is no group; did you mean 'teeth'?"),
+        ("run", "--set", "duration=-1", "--set duration = -1: must be a positive number in s"),
+        ("check", "--set", "duration=-1", "--set duration = -1: must be a positive number in s"),
+        ("report", "--duration", "nan", "--duration = NaN: must be a positive number in s"),
+        ("animate", "--duration", "nan", "--duration = NaN: must be a positive number in s"),
+        ("sweep", "--set", "duration=-1", "--set duration = -1: must be a positive number in s"),
+    ],
+)
+def test_an_option_that_is_refused_is_told_in_place_of_a_line_of_the_file(
+    command, option, value, said, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    rc.save_scene(rc.Scene(rc.paper_drive()), "drive.toml")
+    run = '\n[run]\nduration = 1e-3\nreport_step = 1e-4\nmemory = "1 MB"\nrecord = ["teeth"]\n'
+    with Path("drive.toml").open("a") as file:
+        file.write(run)
+    Path("sweep.toml").write_text(
+        'drive = "drive.toml"\n[axes]\nspeed = [1]\n[run]\nduration = 1e-3'
+    )
+    name = "sweep.toml" if command == "sweep" else "drive.toml"
+    done = rustchain(command, name, option, value)
+    assert done.exit_code == 1
+    assert f"error: {said}" in done.output
+
+
+@pytest.mark.parametrize("name", ["drive.toml", "folder"])
+def test_a_schema_replaces_no_drive_file(name, tmp_path):
+    path = tmp_path / name
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "drive.toml").write_text("[drive]")
+    done = rustchain("schema", "-o", path)
+    assert done.exit_code == 1
+    assert "take drive.json" in done.output or "is a folder" in done.output
+    assert (tmp_path / "drive.toml").read_text() == "[drive]"
 
 
 def test_the_version_is_printed():

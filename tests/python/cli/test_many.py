@@ -191,6 +191,18 @@ def test_the_sweep_file_of_the_page_is_read(tmp_path):
     assert found.scene.run["duration"] == 0.5
 
 
+def test_tables_and_stored_cases_are_no_results_and_their_readers_are_told():
+    assert rustchain("sweep", "sweep.toml", "--out", "table.nc", "--store", "runs").exit_code == 0
+    case = next(Path("runs").iterdir())
+    done = rustchain("plot", "table.nc")
+    assert "table.nc: is a table of a sweep or study, not a result: xarray.open" in done.output
+    for command in ("plot", "report", "animate"):
+        done = rustchain(command, case)
+        assert done.exit_code == 1
+        told = f"{case}: is a stored case of a sweep, without a result: load_sweep reads its folder"
+        assert told in done.output
+
+
 def test_failed_cases_are_counted_told_and_repeated_on_demand():
     for more in ((), (), ("--retry",)):
         done = rustchain("sweep", "failing.toml", "--store", "runs", *more)
@@ -238,7 +250,8 @@ def test_arrays_of_different_length_leave_the_table_complete(tmp_path):
         ("[axes]\nrtol = 1e-5", "line 3, column 1: axes.rtol: 1e-05: must be a list of values"),
         ("[axes]\npretensoin = [1]", "line 3, column 1: axes.pretensoin: axes: 'pretensoin' is no"),
         ('[axes]\nforce_law = [{type="Hert"}]', "column 15: axes.force_law.1.type: 'Hert' is not"),
-        ('[axes]\n"rtol, atol" = [[1e-5]]', "got the row (1e-05,); expected 2 values"),
+        ('[axes]\n"rtol, atol" = [[1e-5]]', "line 3, column 1: axes.rtol, atol: axes[('rtol', "
+         "'atol')]: got the row (1e-05,); expected 2 values"),
         ("[run]\nduraton = 1", "line 3, column 1: run.duraton: unknown key; did you mean"),
         ("[samples]\ncount = 2", "samples: 'distributions' is missing"),
         ("[samples]\ncount = 2\nmethod='sobl'\n[samples.distributions]\nrtol={norm=[1,2]}",
@@ -253,6 +266,15 @@ def test_arrays_of_different_length_leave_the_table_complete(tmp_path):
          "line 2, column 1: measure: 'efficiensy' is no figure of a summary; did you mean "
          "'efficiency'?"),
         ("burn_in = 1.0", "has no axes, samples or cases; expected one of them"),
+        ("[axes]\npretension=[1]\nbogus=[1]", "line 4, column 1: axes.bogus: axes: 'bogus' is no"),
+        ("cases=[{rtol=1e-5, bogus=1}]\n[run]\nduration=1", "column 20: cases.1.bogus: axes"),
+        ("[axes]\nrtol=[1]\n[samples]\ncount=2\n[samples.distributions]\nbogus={norm=[1,2]}",
+         "line 7, column 1: samples.distributions.bogus: axes: 'bogus' is no parameter"),
+        ('[axes]\nspeed=[1]\n"rtol, bogus"=[[1, 2]]',
+         "line 4, column 1: axes.rtol, bogus: axes: 'bogus' is no parameter"),
+        ("[axes]\nspeed=[1]\npretension=[-1]",
+         "line 4, column 1: axes.pretension: Tensioner.pretension = -1: must be"),
+        ("[axes]\nspeed=[1]\n[run]\nduration=-1", "line 5, column 1: run.duration: duration = -1"),
         ("[axes]\nrtol=[1]\n[[cases]]\nrtol=1", "cases: stand in place of axes and samples"),
     ],
 )  # fmt: skip

@@ -215,6 +215,11 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
     assert "drive.toml, line 33, column 1: simulation: min_impact_velocity = -1" in done.output
 
 
+OF_FORCE = "expected one; add " + " or ".join(
+    f"type = '{kind}ForceAbove'" for kind in ("Hinge", "Tooth", "Joint", "Contact")
+)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "text"),
     [
@@ -242,7 +247,7 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
         ('"flores"', '"flors"', 33, "simulation.force_law.damping: 'flors': must be"),
         ("report_step", "report_stp", 38, "run.report_stp: unknown key; did you mean"),
         ("duration = 0.02", "duration = -1.0", 37, "run: duration = -1: must be a positive"),
-        ('type = "ToothForceAbove"\n', "", 41, "its keys fit several types"),
+        ('type = "ToothForceAbove"\n', "", 41, f"its keys fit several types; {OF_FORCE}"),
         ("force = 5000.0", "force = -1.0", 43, "ToothForceAbove.force = -1.0: must be a positive"),
         ("adjust = 3", "adjust = 7", 9, "drive: adjust = 7: must be the number of a sprocket"),
         ("[simulation]", "[simulation", 32, "is no TOML"),
