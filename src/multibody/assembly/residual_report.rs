@@ -11,14 +11,20 @@ use crate::multibody::model::MechanismModel;
 const MISSED: f64 = 1e-6;
 
 impl ConstraintState {
-    /// Return the residuals of positions by joint as text, or those of velocities where positions satisfy the constraints.
+    /// Return the residuals of positions by joint as text, or those of velocities where positions satisfy the constraints; it tells of
+    /// redundant joints, whose residuals grow in motion from the rounding of their points.
     pub(crate) fn largest_residuals(&self, model: &MechanismModel, frames: &[Frame]) -> String {
         let missed = if self.worst(model, frames) <= NEAR {
             self.rates(model, frames)
         } else {
             self.position_residuals(model)
         };
-        format!("{missed}{}", self.asked(model, frames))
+        let redundant = if self.rank < self.rows.len() {
+            "; joints are redundant: their points and lengths must agree to all digits, or leave out what `check()` names"
+        } else {
+            ""
+        };
+        format!("{missed}{}{redundant}", self.asked(model, frames))
     }
 
     /// Return the residuals of positions by joint as text.

@@ -437,3 +437,21 @@ def test_what_cannot_assemble_is_told_by_what_the_nearest_positions_miss(length,
     assert set(missed) == {"bearing", "tie"}
     for value in missed.values():
         assert 0.35 * gap < float(value) < 0.75 * gap
+
+
+def test_redundant_joints_that_do_not_agree_are_told_where_they_jam():
+    mechanism = rc.Mechanism()
+    length, angle = 0.2, 1.0
+    along, up = length * np.cos(angle), length * np.sin(angle)
+    mechanism.add_body("bar", 1.0, 0.1, position=(0.5 + along, up, 0.0))
+    for k in range(3):
+        post, foot = f"post_{k}", 0.5 * k + (1e-12 if k == 1 else 0.0)
+        place = (0.5 * k + 0.5 * along, 0.5 * up, angle)
+        mechanism.add_body(post, 0.1, 1e-3, position=place)
+        mechanism.add_revolute(f"foot_{k}", "ground", post, at=(foot, 0.0))
+        mechanism.add_revolute(f"head_{k}", post, "bar", at=(0.5 * k + along, up))
+    mechanism.add_driver("motor", "ground", "post_0", speed=5.0)
+    with pytest.warns(rc.RustchainWarning, match="redundant"):
+        simulation = rc.Simulation(mechanism)
+    with pytest.raises(rc.SimulationError, match="joints are redundant: their points"):
+        simulation.step_to(5.0)
