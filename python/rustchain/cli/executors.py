@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -61,13 +62,17 @@ def _pool(kind: str, count: int) -> Iterator[dict[str, Any]]:
     from multiprocessing import active_children, get_context
 
     if kind == "loky":
-        executor = _imported("loky", "loky").ProcessPoolExecutor(count)
+        executor, more = _imported("loky", "loky").ProcessPoolExecutor(count), {}
     else:  # not forked: threads of this process would stop in the middle of what they do
         executor = ProcessPoolExecutor(count, get_context("spawn"), _end_with_parent)
+        # The sweep has cancelled what waits. The thread of the pool leaves these futures alone only
+        # if it is told so, and if the executor is still there: until the exit.
+        more = {"cancel_futures": True}
+        atexit.register(executor.shutdown)
     try:
         yield {"executor": executor}
     finally:
-        executor.shutdown(wait=False)  # the sweep has cancelled what waits
+        executor.shutdown(wait=False, **more)
         for child in active_children():
             child.terminate()
 

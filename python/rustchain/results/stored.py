@@ -125,11 +125,10 @@ def _opened(path: Path, read: Callable[[Any], _Made], identity: str | None = Non
             Unmarked(path) if marked else nullcontext(path) as there,
             h5py.File(there, "r", locking=locking) as file,
         ):
-            if identity is not None and _attributes_of(file)[IDENTITY] != identity:
-                msg = (
-                    f"path = {shown_path(path)}: was replaced by another run since it was loaded; "
-                    "load it again"
-                )
+            if identity is not None and not (
+                is_streamed(path) and _attributes_of(file)[IDENTITY] == identity
+            ):
+                msg = f"path = {shown_path(path)}: was replaced since it was loaded; load it again"
                 raise InvalidInput(msg)
             return read(file)
 

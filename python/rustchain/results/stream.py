@@ -7,13 +7,15 @@ Every number has a checksum: metadata from HDF5's format 3, rows from gzip's for
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import errno
 import json
 import os
 import threading
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +44,18 @@ _CHECKED = {"compression": "gzip", "compression_opts": 0}
 
 _ALL = 2**62
 _SLACK = 2**20  # [bytes] of metadata for one piece: the indices of its chunks, below 100 kB
+
+
+@cache
+def _lock_at_exit() -> None:
+    """Have the end of Python wait for the lock of h5py, and keep it.
+
+    A further Ctrl-C breaks its wait for threads. They are then stopped where they are; one that had
+    the lock would keep it, and the end of h5py's objects would wait for it forever.
+    """
+    from h5py._objects import phil  # the lock; its wait hears no signals
+
+    atexit.register(phil.acquire)
 
 
 class Stream:
@@ -81,10 +95,9 @@ class Stream:
         # Not in the main thread: h5py's weak references would swallow a Ctrl-C.
         self._thread = ThreadPoolExecutor(1)
         try:
-            self._thread.submit(self._open).result()
+            self._do(self._open)
         except BaseException:
-            self._thread.submit(self._release)
-            self._thread.shutdown()
+            self._do(self._release)
             raise
 
     def append(self, take: Callable[[], Rows], jumps: Callable[[], Jumps | None]) -> None:
@@ -114,14 +127,14 @@ class Stream:
         """Write the last piece and how the run ended, and close the file; later calls do nothing.
 
         `take` gets the number of rows to take at most, `end` the largest residual of the energy
-        balance [J].
+        balance [J]. Ctrl-C meanwhile is raised when the file is closed.
 
         Raises
         ------
         OSError
             A piece could not be written.
         """
-        self._thread.submit(self._finish, take, jumps, end).result()
+        self._do(self._finish, take, jumps, end)
         self._check()
 
     def arrays(self) -> Mapping[str, npt.NDArray[Any]]:
@@ -133,6 +146,19 @@ class Stream:
         found.empty = {n: np.zeros((self._rows, *a.shape[1:]), a.dtype) for n, a in empty.items()}
         return found
 
+    def _do(self, work: Callable[..., None], *given: object) -> None:
+        """Have the thread do some work, and wait for its end; raise an interrupt only then."""
+        doing = self._thread.submit(work, *given)
+        interrupt: BaseException | None = None
+        while not doing.done():
+            try:
+                wait([doing])
+            except BaseException as error:  # of a signal's handler
+                interrupt = error
+        if interrupt is not None:
+            raise interrupt
+        doing.result()
+
     def _check(self) -> None:
         if self._error is not None:
             raise self._error
@@ -140,6 +166,7 @@ class Stream:
     def _open(self) -> None:
         """Make the file with its header, put it in its place, and open it for rows."""
         h5py = extras.h5py
+        _lock_at_exit()
         check_writable(self._path, "out")  # in words of the system: those of HDF5 are its own
         with new_file(self._path, "out") as (part, self._path):
             self._write_header(part)

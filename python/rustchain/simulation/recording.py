@@ -81,7 +81,8 @@ class Recording:
                 result = self.result("finished" if reason is None else "stopped", reason)
             except KeyboardInterrupt:
                 result = self.result("interrupted")
-        except KeyboardInterrupt:  # again, while the file is ended
+        except KeyboardInterrupt:  # again, while the result is made
+            self.result("interrupted")  # the file gets its end nevertheless
             raise
         except BaseException as error:
             told = str(error) if isinstance(error, SimulationError) else repr(error)

@@ -7,6 +7,7 @@ import builtins
 import errno
 import json
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -212,7 +213,8 @@ def load_sweep(store: FilePath) -> SweepResult:
     Warns
     -----
     CaseWarning
-        Files are damaged, or are no cases: how many, and the first.
+        Files are damaged, or are no cases: how many, and the first. Or cases have the same
+        parameters: of sweeps of different drives, laws or measures.
 
     Examples
     --------
@@ -251,8 +253,6 @@ def load_sweep(store: FilePath) -> SweepResult:
     if not found:
         msg = f"store = {shown_path(folder)}: has no case; give a folder that sweep had as store"
         raise InvalidInput(msg)
-    _add_run_arguments(found, runs)
-    found.sort(key=lambda case: _order(case[0]))
     results = [case for case in found if case[3].error is None and not case[2]]
     if results and any(case[2] for case in found):
         msg = (
@@ -260,7 +260,27 @@ def load_sweep(store: FilePath) -> SweepResult:
             "give each sweep its own folder"
         )
         raise InvalidInput(msg)
+    _warn_of_same_parameters(folder, found, runs)
+    _add_run_arguments(found, runs)
+    found.sort(key=lambda case: _order(case[0]))
     return _swept(found, not results)
+
+
+def _warn_of_same_parameters(
+    folder: Path, found: list[tuple[Parameters, Path, bool, Outcome]], runs: list[Parameters]
+) -> None:
+    """Warn of cases that neither parameters nor arguments of the run tell apart."""
+    alike = Counter(
+        repr([sorted(parameters.items()), run])  # values may be lists
+        for (parameters, *_), run in zip(found, runs, strict=True)
+    )
+    if len(alike) < len(found):
+        warn_caller(
+            f"store = {shown_path(folder)}: {len(found) - len(alike)} of {len(found)} cases have "
+            f"the parameters of another: they are of {max(alike.values())} different drives, laws, "
+            "stop conditions, measures or versions; give each of these its own folder",
+            CaseWarning,
+        )
 
 
 def _add_run_arguments(

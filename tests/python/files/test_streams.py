@@ -167,6 +167,16 @@ def test_a_streamed_file_saved_again_is_a_file_of_save(streamed, tmp_path):
     same(result, rc.load_result(tmp_path / "again.nc"))
 
 
+def test_a_streamed_result_that_is_saved_onto_its_own_file_is_to_be_loaded_again(tmp_path):
+    path = tmp_path / "run.nc"
+    result = rc.Simulation(rc.paper_drive()).run(duration=1e-3, progress=False, out=path)
+    force = result.array("hinge_force").copy()
+    result.save(path)
+    with pytest.raises(rc.InvalidInput, match="was replaced since it was loaded; load it again"):
+        result.array("hinge_force")
+    np.testing.assert_array_equal(rc.load_result(path).array("hinge_force"), force)
+
+
 def test_a_streamed_file_of_few_rows_is_small(tmp_path):
     simulation = rc.Simulation(rc.paper_drive(25.0))
     result = simulation.run(duration=1e-3, progress=False, out=tmp_path / "short.nc")
@@ -337,7 +347,7 @@ def test_a_file_that_another_run_replaced_is_left_to_it(tmp_path):
     same(done[0], rc.load_result(path))
     before = rc.load_result(path)
     rc.Simulation(rc.paper_drive()).run(1e-3, progress=False, out=path)
-    with pytest.raises(rc.InvalidInput, match="was replaced by another run since it was loaded"):
+    with pytest.raises(rc.InvalidInput, match="was replaced since it was loaded; load it again"):
         before.array("hinge_force")
     path.unlink()
     with pytest.raises(FileNotFoundError, match=r"run\.nc: there is no such file"):

@@ -193,6 +193,68 @@ def test_the_command_saves_its_file_and_says_how_it_ended(tmp_path):
     assert result.array("tooth_force").shape == (len(result.time), 38)
 
 
+IN_HDF5 = """
+from h5py._objects import phil
+import time
+
+def press_in_hdf5(times):
+    with phil:  # the lock of h5py: a thread that ends with it keeps it
+        for _ in range(times):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.2)
+"""
+
+
+def test_further_interrupts_wait_until_the_file_of_the_command_is_ended(tmp_path):
+    path = tmp_path / "run.nc"
+    done = child(
+        IN_HDF5
+        + """
+from rustchain.cli import main
+from rustchain.results.stream import Stream
+
+finish = Stream._finish
+def slow(*arguments):
+    press_in_hdf5(3)
+    finish(*arguments)
+Stream._finish = slow
+main()
+""",
+        "run", "paper", "--duration", FAR, "--report-step", 1e-3, "--out", path,
+        timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 130, done.stderr
+    assert "Traceback" not in done.stderr
+    result = rc.load_result(path)
+    assert result.status == "interrupted"
+    assert "interrupted at t = " in result.message
+    assert len(result.time) > 1
+
+
+def test_an_interrupt_of_the_end_of_python_does_not_wait_for_hdf5_forever(tmp_path):
+    """The main thread waits for the others, until an interrupt; then it ends them."""
+    done = child(
+        IN_HDF5
+        + """
+import h5py
+from concurrent.futures import thread
+
+rc.Simulation(rc.paper_drive()).run(1e-4, out=sys.argv[1], progress=False)
+file = h5py.File(sys.argv[1])
+
+def work():
+    while not thread._shutdown:  # set before the main thread waits
+        time.sleep(0.01)
+    press_in_hdf5(5)
+
+thread.ThreadPoolExecutor(1).submit(work)
+""",
+        tmp_path / "run.nc",
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+
+
 # Calls that stay long in the compiled module, or in threads of their own.
 LONG_CALLS = {
     "search for an initial configuration": "rc.Simulation(hopeless)",
@@ -397,6 +459,24 @@ def test_ctrl_c_while_a_file_gets_its_end_leaves_file_and_result_alike(
     assert len(result.time) == len(rows.time) == 11
 
 
+def test_ctrl_c_twice_before_a_file_gets_its_end_leaves_it_whole(tmp_path, monkeypatch):
+    finish, pressed = Stream.finish, []
+
+    def interrupted(stream, *arguments):
+        if len(pressed) < 2:
+            pressed.append(True)
+            raise KeyboardInterrupt
+        finish(stream, *arguments)
+
+    monkeypatch.setattr(Stream, "finish", interrupted)
+    path = tmp_path / "run.nc"
+    with pytest.raises(KeyboardInterrupt):
+        rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-4, out=path, progress=False)
+    rows = rc.load_result(path)
+    assert rows.message == "interrupted at t = 0.001 s"
+    assert len(rows.time) == 11
+
+
 def heard_by_main_thread(heard):
     """Press Ctrl-C until the main thread has heard it; return whether it has.
 
@@ -416,17 +496,21 @@ needs_signals_to_threads = pytest.mark.skipif(
 
 
 @needs_signals_to_threads
-def test_ctrl_c_during_the_wait_for_the_end_of_a_file_changes_no_status(tmp_path, monkeypatch):
-    finish, heard = Stream.finish, threading.Event()
+@pytest.mark.parametrize("times", [1, 3])
+def test_ctrl_c_during_the_wait_for_the_end_of_a_file_changes_no_status(
+    times, tmp_path, monkeypatch
+):
+    finish, heard = Stream.finish, [threading.Event() for _ in range(times)]
 
     def press(number, frame):
-        if not heard.is_set():
-            heard.set()
-            raise KeyboardInterrupt
+        for event in heard:
+            if not event.is_set():
+                event.set()
+                raise KeyboardInterrupt
 
     def slow(stream, take, *arguments):
         def interrupted(count):  # in the thread that writes
-            assert heard_by_main_thread(heard)
+            assert all(map(heard_by_main_thread, heard))
             return take(count)
 
         finish(stream, interrupted, *arguments)
@@ -439,7 +523,7 @@ def test_ctrl_c_during_the_wait_for_the_end_of_a_file_changes_no_status(tmp_path
         result = simulation.run(1e-3, 1e-4, out=path, progress=False)
     finally:
         signal.signal(signal.SIGINT, before)
-    assert heard.is_set()
+    assert all(event.is_set() for event in heard)
     assert result.status == rc.load_result(path).status == "finished"
 
 

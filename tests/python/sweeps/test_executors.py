@@ -6,6 +6,8 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
+import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+from rustchain.cli.executors import executor_of
 
 PAPER = rc.paper_drive()
 SHORT = {"duration": 5e-3, "progress": False}
@@ -200,3 +203,23 @@ def test_a_loss_map_runs_on_an_executor():
         there = rc.loss_map(drive, [6.0], [-1.0], executor=pool, **keywords)
     assert here.equals(there)
     assert np.isfinite(here["efficiency"]).all()
+
+
+def test_a_pool_of_the_command_ends_in_the_middle_of_cases_without_an_error_of_its_thread(
+    monkeypatch,
+):
+    """As after Ctrl-C: cases that wait are cancelled, and those that run are ended."""
+    failed, before = [], set(threading.enumerate())
+    monkeypatch.setattr(threading, "excepthook", failed.append)
+    with executor_of("processes:2") as where:
+        futures = [where["executor"].submit(time.sleep, 600.0) for _ in range(20)]
+        while sum(future.running() for future in futures) < 3:  # as many as it sends ahead
+            time.sleep(1e-3)
+        for future in futures:
+            future.cancel()
+    del where
+    for thread in set(threading.enumerate()) - before:
+        thread.join(60.0)
+        assert not thread.is_alive()
+    assert failed == []
+    assert all(future.done() for future in futures)

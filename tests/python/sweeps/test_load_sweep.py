@@ -99,6 +99,14 @@ def test_arguments_of_the_run_in_which_stored_cases_differ_are_parameters(tmp_pa
     assert list(table["record"]) == ["None", some, "None", some, "None", "None"]
 
 
+def test_cases_of_different_drives_with_the_same_parameters_are_told(tmp_path):
+    for drive in (rc.paper_drive(), rc.paper_drive(hinges="ideal")):
+        rc.sweep(drive, {"pretension": [0, 25]}, peak, store=tmp_path, **SHORT)
+    told = "2 of 4 cases have the parameters of another: they are of 2 different drives, laws"
+    with pytest.warns(rc.CaseWarning, match=told):
+        assert len(rc.load_sweep(tmp_path).cases) == 4
+
+
 def test_a_measured_quantity_keeps_the_name_of_an_argument_of_the_run(tmp_path):
     for duration in (1e-3, 2e-3):
         rc.sweep(
