@@ -82,7 +82,12 @@ impl CompiledContact {
     /// Return normal, tangent and sliding velocity of a side with the normal force `pressing` on the circle, which is not zero. `inward` is
     /// the normal into the material.
     fn sliding(&self, pressing: Vec2, inward: Vec2, (fa, fb): (&Frame, &Frame)) -> Sliding {
-        let normal_force = pressing.norm().copysign(-pressing.dot(&inward));
+        let pulls = pressing.dot(&inward) > 0.0;
+        let normal_force = if pulls {
+            -pressing.norm()
+        } else {
+            pressing.norm()
+        };
         let normal = pressing / normal_force;
         let tangent = turned_left(normal);
         let velocity = self.approach(fa, fb);
