@@ -93,8 +93,9 @@ fn pitch_radius(drive: &Drive, sprocket: usize) -> f64 {
 
 /// Return the largest force of the chain on each sprocket, along the chain \[N\]; zero where its speed is prescribed.
 ///
-/// With a prescribed speed in the drive it is torque over pitch radius: mean speeds are taken as constant. Without one, torques
-/// accelerate the masses m of shafts and chain together by a, and it is torque over pitch radius less m a of its own shaft.
+/// With a prescribed speed in the drive it is torque over pitch radius: mean speeds are taken as constant. So are they with a torque that
+/// depends on the speed, which the drive reaches. Without both, torques accelerate the masses m of shafts and chain together by a, and it
+/// is torque over pitch radius less m a of its own shaft.
 fn largest_pulls(drive: &Drive, layout: &Layout) -> Vec<f64> {
     let count = drive.sprockets.len();
     let sign = |i: usize| layout.sides[i].sign();
@@ -110,17 +111,21 @@ fn largest_pulls(drive: &Drive, layout: &Layout) -> Vec<f64> {
         .map(|i| {
             let sprocket = &drive.sprockets[i];
             let follows = |speed: f64| sign(i) * speed / f64::from(sprocket.teeth);
-            let least_and_most = chain_speeds.map(|speeds| speeds.map(follows));
-            let speeds = least_and_most.iter().flatten().chain([&layout.speeds[i]]);
-            let torques = torque_range(&sprocket.motion, speeds);
+            let [mut least, mut most] = [layout.speeds[i]; 2];
+            for speed in chain_speeds.into_iter().flatten().map(follows) {
+                (least, most) = (least.min(speed), most.max(speed));
+            }
+            let torques = torque_range(&sprocket.motion, [least, most]);
             let [a, b] = torques.map(|torque| sign(i) * torque / pitch_radius(drive, i));
             [a.min(b), a.max(b)]
         })
         .collect();
     let mut shares = vec![0.0; count];
-    if chain_speeds.is_none() {
+    let mut motions = drive.sprockets.iter().map(|sprocket| &sprocket.motion);
+    let settles = motions.any(|motion| matches!(motion, SprocketMotion::TorqueCurve { .. }));
+    if chain_speeds.is_none() && !settles {
         let links = 0..drive.chain.links as usize;
-        let chain: f64 = links.map(|i| drive.chain.strand_link(i).mass).sum();
+        let chain: f64 = links.map(|i| drive.chain.link(i).mass).sum();
         for (i, share) in shares.iter_mut().enumerate() {
             let (_, inertia) = drive.sprockets[i].mass_properties(&drive.chain);
             *share = inertia / pitch_radius(drive, i).powi(2);
@@ -142,14 +147,17 @@ fn largest_pulls(drive: &Drive, layout: &Layout) -> Vec<f64> {
         .collect()
 }
 
-/// Return the least and the largest torque on a sprocket at these angular velocities \[N m\]; zeros without torque.
-fn torque_range<'a>(motion: &SprocketMotion, speeds: impl Iterator<Item = &'a f64>) -> [f64; 2] {
+/// Return the least and the largest torque on a sprocket between these angular velocities \[N m\]; zeros without torque.
+fn torque_range(motion: &SprocketMotion, [slowest, fastest]: [f64; 2]) -> [f64; 2] {
     match motion {
         SprocketMotion::AppliedTorque(torque) => torque.range(),
         SprocketMotion::TorqueCurve { torque, curve } => {
+            let rows = curve.rows().into_iter();
+            let between = rows.filter(|(speed, _)| (slowest..=fastest).contains(speed));
+            let ends = [slowest, fastest].map(|speed| curve.value(speed));
+            let torques = between.map(|(_, torque)| torque).chain(ends);
             let start = [f64::INFINITY, f64::NEG_INFINITY];
-            let [least, most] = speeds.fold(start, |[least, most], &speed| {
-                let torque = curve.value(speed);
+            let [least, most] = torques.fold(start, |[least, most], torque| {
                 [least.min(torque), most.max(torque)]
             });
             let [lowest, highest] = torque.range();

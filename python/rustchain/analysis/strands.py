@@ -137,7 +137,8 @@ def strand_spectrum(
     modes : int
         Number of natural frequencies, at most the number of hinges.
     segment : float, optional
-        Length of Welch's segments [s]; by default one segment, the finest resolution.
+        Length of Welch's segments [s], at least 16 rows; by default one segment, the finest
+        resolution.
 
     Returns
     -------

@@ -36,6 +36,8 @@ _MILLIMETRES = "lengths are in metres; divide millimetres by 1000"
 _DEGREES = "angles are in radians; convert degrees by math.radians"
 # Farther than parts of machines are from each other [m]; 0.1 m in millimetres are 100.
 _LENGTH = _Range(0.0, 99.0, "m", _MILLIMETRES)
+# Longer than hoists and conveyors of one outline [m].
+_WAY = _Range(0.0, 500.0, "m", _MILLIMETRES)
 # Farther than the sprockets of long conveyors are from each other, in pitches.
 _FARTHEST = 5000.0
 # That of small moons to four times that of Jupiter.
@@ -296,21 +298,20 @@ def _joint(joint: Joint, *_: str) -> Iterator[str]:
     if joint.kind == "driven_angle" and joint.by_speed and fastest > _FASTEST:
         yield f"speed of driver {joint.name!r} reaches {fastest:.4g} rad/s: give it in rad/s"
     if joint.kind == "driven_position" and not joint.by_speed:
-        yield from _outside(_LENGTH, fastest, f"position of driver {joint.name!r}")
+        yield from _outside(_WAY, fastest, f"position of driver {joint.name!r}")
 
 
 def _force(force: Force, *_: str) -> Iterator[str]:
-    """Tell of the length or angle of a spring without force."""
-    usual = {"spring": _LENGTH, "torsion_spring": _ANGLE}.get(force.kind)
-    if usual is not None and force.rest is not None:
-        yield from _outside(usual, force.rest, f"rest of force {force.name!r}")
+    """Tell of the length of a spring without force; torsion springs may have many turns."""
+    if force.kind == "spring" and force.rest is not None:
+        yield from _outside(_LENGTH, force.rest, f"rest of force {force.name!r}")
 
 
 def _contact(contact: Contact, *_: str) -> Iterator[str]:
     """Tell of an outline of an unusual size."""
     points = [point for point in contact.points if len(point) == 2]
     farthest = max((abs(float(at)) for point in points for at in point), default=0.0)
-    yield from _outside(_LENGTH, farthest, f"points of contact {contact.name!r}, the farthest")
+    yield from _outside(_WAY, farthest, f"points of contact {contact.name!r}, the farthest")
 
 
 _CHECKS: dict[str, Callable[..., Iterator[str]]] = {

@@ -243,9 +243,13 @@ impl CompiledContact {
             let law = self.law_on(candidate.piece, memory);
             let force = law.force(depth, rate, memory.speed);
             let energy = law.energy(depth);
-            let pressing = -candidate.weight * force.total * inward;
+            let mut pressing = -candidate.weight * force.total * inward;
+            let by_weight = energy * fa.turned(candidate.weight_gradient);
+            side_state.push += pressing - by_weight;
+            if !candidate.is_between() {
+                pressing -= by_weight;
+            }
             side_state.pressing += pressing;
-            side_state.push += pressing - energy * fa.turned(candidate.weight_gradient);
             loads.elastic += candidate.weight * energy;
             loads.dissipated += candidate.weight * force.dissipated;
         });

@@ -40,8 +40,8 @@ impl CompiledContact {
     /// Call `visit` with the side and the force slopes of each contact point that has a force, and those of the part of the force that has
     /// friction. `side_states` and `memory` are those of the sides, evaluated at these frames.
     ///
-    /// The force on the circle is F = w f n - E ∇w, with outward normal n and weight w, and its first term has friction. The penetration
-    /// rate is δ' = -n·v.
+    /// The force on the circle is F = w f n - E ∇w, with outward normal n and weight w. Between two sides only its first term has friction.
+    /// The penetration rate is δ' = -n·v.
     pub(crate) fn slopes(
         &self,
         frames: &[Frame],
@@ -88,7 +88,7 @@ impl CompiledContact {
             let pushed = pressed.slopes(memory);
             let elastic = law.force(depth, rate, memory.speed).elastic;
             let (w, energy) = (candidate.weight, law.energy(depth));
-            let pressing = PairForce {
+            let mut pressing = PairForce {
                 force: w * pushed.force,
                 by_place: w * pushed.by_place + pushed.force * gradient.transpose(),
                 by_velocity: w * pushed.by_velocity,
@@ -99,6 +99,9 @@ impl CompiledContact {
                 by_place: pressing.by_place + elastic * gradient * n.transpose(),
                 ..pressing
             };
+            if !candidate.is_between() {
+                pressing = whole;
+            }
             visit(candidate.side, &whole, &pressing);
         });
     }

@@ -32,7 +32,7 @@ pub(crate) struct SideState {
     pub(crate) force: f64,
     /// Normal force on the circle \[N\].
     pub(crate) push: Vec2,
-    /// The same without the gradients of weights, which cancel over all sides \[N\]: friction is a part of it.
+    /// The same without the gradients of weights between two sides, which cancel over both \[N\]: friction is a part of it.
     pub(crate) pressing: Vec2,
     /// Force on the circle by friction and film \[N\].
     pub(crate) friction: Vec2,

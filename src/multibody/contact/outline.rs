@@ -44,6 +44,13 @@ pub(crate) struct ContactPoint {
     pub(crate) place: OutlinePlace,
 }
 
+impl ContactPoint {
+    /// Return whether it is a local maximum of the distance, between two sides or pieces.
+    pub(crate) fn is_between(&self) -> bool {
+        self.weight.is_sign_negative()
+    }
+}
+
 /// Position of a contact point relative to the surface and the ends of a profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum OutlinePlace {

@@ -219,6 +219,14 @@ def test_a_load_that_grows_with_speed_counts_at_the_highest_speed():
     # 40 rad/s of 17 teeth are 27.2 rad/s of 25 teeth: -4 - 7.2/20 * 12 N m.
     assert "the load of 8.3200 N m on sprocket 2" in told
     assert not told_of_jumps(rc.PrescribedSpeed(10.0), fan)
+    # It is largest in between.
+    stirrer = rc.AppliedTorque(curve=[(0.0, 0.0), (13.0, -20.0), (27.0, -2.0)])
+    (told,) = told_of_jumps(from_rest, stirrer)
+    assert "the load of 20.0000 N m on sprocket 2" in told
+    # A motor reaches the speed at which the load takes all of its torque; a run jumps after 0.51 s.
+    pump = rc.AppliedTorque(curve=[(-20.0, 30.0), (0.0, 0.0), (20.0, -30.0)])
+    (told,) = told_of_jumps(rc.AppliedTorque(20.0), pump, load_inertia=0.5)
+    assert "the load of 20.0000 N m on sprocket 1" in told
 
 
 @pytest.mark.parametrize(

@@ -219,9 +219,6 @@ LAW = rc.LinearContact(1e6)
 OF_MECHANISMS = {
     "speed of driver 'd' reaches 1e+06 rad/s": ("add_driver", {"speed": 1e6}),
     "rest of force 'd' = 300 m": ("add_spring", {"stiffness": 100.0, "rest_length": 300.0}),
-    "rest of force 'd' = 90 rad": (
-        "add_torsion_spring", {"stiffness": 100.0, "rest_angle": 90.0},
-    ),
     "profile_radius of contact 'd' = 200 m": (
         "add_clearance_joint", {"bore_radius": 200.0, "pin_radius": 0.03, "law": LAW},
     ),
@@ -244,6 +241,18 @@ def test_parts_of_mechanisms_in_another_unit_are_told(says):
     assert not mechanism.check().warnings
     getattr(mechanism, call)("d", "ground", "arm", **given)
     assert [text for text in mechanism.check().warnings if text.startswith(says)]
+
+
+def test_wound_springs_hoists_and_long_outlines_are_usual():
+    mechanism = a_joined_body()
+    mechanism.add_torsion_spring("wound", "ground", "arm", stiffness=0.1, rest_angle=-50.0)
+    points = [(120.0, -1.0), (-1.0, -1.0)]
+    mechanism.add_outline_contact("floor", "ground", "arm", points, 0.03, LAW, closed=False)
+    mechanism.add_body("cage", 100.0, 10.0, position=(0.0, 5.0, 0.0))
+    mechanism.add_prismatic("shaft", "ground", "cage", direction=(0.0, 1.0))
+    rise = rc.SmoothStep(0.0, 60.0, before=5.0, after=155.0)
+    mechanism.add_position_driver("hoist", "ground", "cage", (0.0, 1.0), position=rise)
+    assert not mechanism.check().warnings
 
 
 def told_at_rest(drive):

@@ -97,6 +97,19 @@ def test_friction_in_a_flat_corner_is_that_of_its_load():
     assert torque == pytest.approx(-0.2 * 0.05 * load, rel=0.01)
 
 
+@pytest.mark.parametrize("behind", [0.0, 0.01, 0.02, 0.03])
+def test_friction_at_the_end_of_an_open_outline_is_that_of_the_whole_load(behind):
+    law = rc.LinearContact(1e5, friction=rc.Coulomb(0.2))
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("disc", 1.0, 0.02, position=(0.5, 0.06, 0.0))
+    points = [(1.0, 0.0), (0.0, 0.0)]
+    mechanism.add_outline_contact("edge", "ground", "disc", points, 0.05, law, closed=False)
+    found = rc.Simulation(mechanism).evaluate([(-0.03, -behind, 0.0)], [(0.0, 0.0, 10.0)])
+    # Normal force N and friction 0.2 N are at right angles, and both move the disc.
+    normal = np.hypot(*found.accelerations[0, :2]) / np.hypot(1.0, 0.2)
+    assert -0.02 * found.accelerations[0, 2] == pytest.approx(0.2 * 0.05 * normal, rel=1e-3)
+
+
 def test_pin_friction_takes_the_same_angle_off_each_swing():
     mu, radius = 0.02, 0.01
     m = pendulum(friction=rc.Coulomb(mu, speed=1e-6), radius=radius)
