@@ -278,7 +278,7 @@ const TIME: (&str, &str) = ("time", "s");
 /// Least distance of two rows in time, over the time: four times the rounding that the end of a step may have (`signal.rs`).
 ///
 /// Inputs are read on one side of a row that is at the end of a step. Nearer rows would be one, and the jump between them lost. Doubled:
-/// rows that are 1e-14 of the time apart are refused, too.
+/// rows that are 2e-14 of the time apart are refused, too.
 const LEAST_DISTANCE: f64 = 64.0 * f64::EPSILON;
 
 fn check_rows(

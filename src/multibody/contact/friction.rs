@@ -1,8 +1,8 @@
 //! Friction on the sides of a contact, from the resultant normal force of each side.
 //!
 //! The normal force of a side on the circle is N n, n pointing from the profile to the centre: the sum of w f n over the side's contact
-//! points with weights w, without the forces -E ∇w between two sides. These cancel over both, and would have friction of their own. In a concave
-//! polyline N may be negative: of three sides in contact the middle one has minus a part of what the outer ones have too much. The contact point is -r n from the
+//! points with weights w, without the forces -E ∇w between two sides. These cancel over both, and would have friction of their own. In a
+//! concave polyline N may be negative: a side then takes back a part of what its neighbours have too much. The contact point is -r n from the
 //! circle's centre. The sliding velocity along t, left of n, is s = t·v - r ω. Here v and ω are the velocity of the centre and the
 //! angular velocity of b relative to a. The friction force φ = N h(s) acts on both bodies at the contact point. On b, about the
 //! centre, it is a force -φ t and a torque r φ. Chain drives have the same equations over vectors (`chain/rhs/chain/losses.rs`).
@@ -82,7 +82,7 @@ impl CompiledContact {
     /// Return normal, tangent and sliding velocity of a side with the normal force `pressing` on the circle, which is not zero. `inward` is
     /// the normal into the material.
     fn sliding(&self, pressing: Vec2, inward: Vec2, (fa, fb): (&Frame, &Frame)) -> Sliding {
-        // A side without a contact point of its own has a part of what others have too much.
+        // A side without a contact point of its own, whose `inward` is zero, takes back a part of what others have too much.
         let pulls = pressing.dot(&inward) >= 0.0;
         let normal_force = if pulls {
             -pressing.norm()

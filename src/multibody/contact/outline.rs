@@ -45,7 +45,7 @@ pub(crate) struct ContactPoint {
 }
 
 impl ContactPoint {
-    /// Return whether it is a local maximum of the distance, between two sides or pieces.
+    /// Return whether it is a local maximum of the distance, between two sides or pieces: its weight is negative, or minus zero.
     pub(crate) fn is_between(&self) -> bool {
         self.weight.is_sign_negative()
     }
