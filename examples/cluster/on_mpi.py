@@ -1,6 +1,6 @@
 """A sweep in an MPI job: one process hands out the cases, the others run them.
 
-pip install "rustchain[all]" mpi4py
+pip install "rustchain-dynamics[all]" mpi4py
 mpiexec -n 9 python -m mpi4py.futures on_mpi.py
 """
 

@@ -1,6 +1,6 @@
 """A sweep on a Ray cluster, whose tasks are made an executor of Python's.
 
-pip install "rustchain[all]" ray
+pip install "rustchain-dynamics[all]" ray
 python on_ray.py
 """
 

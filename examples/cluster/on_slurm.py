@@ -1,6 +1,6 @@
 """A sweep on a cluster that SLURM manages, through dask-jobqueue.
 
-    pip install "rustchain[all]" dask-jobqueue
+    pip install "rustchain-dynamics[all]" dask-jobqueue
     python on_slurm.py
 
 SLURM starts jobs of eight workers as they are needed and ends them when the sweep is done. When

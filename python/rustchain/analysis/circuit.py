@@ -195,6 +195,16 @@ class Belt:
         here, there = centers[:, order], np.roll(centers[:, order], -1, axis=1)
         way = there - here
         distance = np.hypot(way[..., 0], way[..., 1])
+        least = np.abs(radius - np.roll(radius, -1))
+        if (distance < least).any():
+            _, k = np.argwhere(distance < least)[0]
+            pair = f"{order[k] + 1} and {order[(k + 1) % len(order)] + 1}"
+            msg = (
+                f"sprockets {pair}: their centres are {distance[:, k].min():.4g} m apart in these "
+                f"rows; a chain line needs {least[k]:.4g} m; take a part of the time before that, "
+                "or limit the tensioner by its travel"
+            )
+            raise InvalidInput(msg)
         normal = np.arctan2(way[..., 1], way[..., 0]) - np.arccos(
             (radius - np.roll(radius, -1)) / distance
         )
@@ -222,7 +232,10 @@ def path_length(values: Array) -> float:
 def _closed(drive: ChainDrive) -> ChainDrive:
     """Return the drive, or raise where its chain is open."""
     if drive.ends is not None:
-        msg = "ChainDrive.ends: an open chain has no closed way that its links run round"
+        msg = (
+            "ChainDrive.ends: an open chain has no closed way that its links run round; use "
+            "hinge(), bushing() and end(), which take one at a time"
+        )
         raise InvalidInput(msg)
     return drive
 

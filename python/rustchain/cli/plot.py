@@ -25,6 +25,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+_FORMS = ("png", "pdf", "svg")
+# The figures of which --hinges chooses the hinges or bushings.
+_NUMBERED = {
+    "hinge_force",
+    "tooth_force",
+    "hinge_force_penetration",
+    "tooth_force_penetration",
+    "orbit",
+}
+
+
 def plot(
     file: Annotated[
         Path, typer.Argument(help="File that `rustchain run` wrote.", exists=True, dir_okay=False)
@@ -57,19 +68,21 @@ def plot(
     """
     output = Output(as_json, quiet)
     with clear_errors():
-        from matplotlib.backend_bases import FigureCanvasBase
-
         import rustchain.plot  # first, as it names the extra  # noqa: F401
 
-        if form not in FigureCanvasBase.get_supported_filetypes():
+        if form not in _FORMS:
             misuse(f"--format = {form}: cannot be drawn; take png, pdf or svg")
-        figures = _figures(rc.load_result(file), hinges)
+        result = rc.load_result(file)
+        figures = _figures(result, hinges)
         for name in names or ():
             if name not in figures:
                 fail(f"figure {name!r}: there is none of that name; {suggest(name, figures)}")
+        if hinges is not None and names and _NUMBERED.isdisjoint(names):
+            misuse(f"--hinges = {hinges}: {' '.join(names)} takes none; leave it out")
+        wanted = names or [name for name in figures if name not in _absent(result)]
         make_folder(out)
         drawn, left_out = [], {}
-        for name in names or figures:
+        for name in wanted:
             path = out / f"{name}.{form}"
             try:
                 figure = figures[name]()
@@ -87,6 +100,15 @@ def plot(
         output.document({"figures": drawn, "left_out": left_out})
         if not drawn:
             fail(f"{file}: has the data for no figure; record more than {_groups(file)}")
+
+
+def _absent(result: rc.Result) -> set[str]:
+    """Return the figures of parts that the scene does not have."""
+    if result.scene.kind == "mechanism":
+        return set()
+    drive = result.drive
+    there = {"guide_loads": drive.guides, "joint_loads": drive.hinges == "ideal"}
+    return {name for name, part in there.items() if not part}
 
 
 def _groups(file: Path) -> str:
@@ -109,6 +131,7 @@ def _figures(result: rc.Result, hinges: str | None) -> dict[str, Callable[[], Fi
             "energy": draw.energy,
         }
     numbers = _numbers(hinges, result.drive.hinge_count)
+    guides = range(1, max(2, 1 + len(result.drive.guides)))
     return {
         "drive": draw.drive,
         "tension": draw.tension,
@@ -127,6 +150,13 @@ def _figures(result: rc.Result, hinges: str | None) -> dict[str, Callable[[], Fi
         "power_balance": draw.power_balance,
         "contact_pressure": draw.contact_pressure,
         "engagements": draw.engagements,
+        "pressure_cycles": draw.pressure_cycles,
+        "spectrum": lambda: draw.spectrum("strand_tension"),
+        "strand_motion": lambda: draw.strand_motion(*result.strand_names),
+        "guide_loads": lambda: draw.guide_loads(*guides),
+        "joint_loads": draw.joint_loads,
+        "motion": draw.motion,
+        "paths": draw.paths,
     }
 
 

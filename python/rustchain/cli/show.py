@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -21,6 +22,7 @@ from rustchain.cli.common import (
 )
 from rustchain.extras import typer
 from rustchain.results.netcdf import ENDINGS
+from rustchain.results.superblock import SIGNATURE
 from rustchain.simulation.run import GROUPS
 
 Source = Annotated[
@@ -69,7 +71,16 @@ def animate(
         path = out or Path(f"{Path(source).stem}.gif")
         check_file(path, "run.gif")
         make_room(path)
-        result = result_of(source, duration, settings, output)
+
+        def check(simulation: rc.Simulation, seconds: float) -> None:
+            from rustchain.plot import animation
+
+            options = camera, slow_motion, fps, view, width
+            animation.check_options(simulation.body_names, *options)
+            animation.check_file(path, fps)
+            _check_start(start, seconds)
+
+        result = result_of(source, duration, settings, output, check)
         if "bodies" not in result.groups:
             record = ",".join(GROUPS[result.scene.kind])
             fail(
@@ -118,16 +129,33 @@ def report(
         path = out or Path(f"{Path(source).stem}.html")
         check_file(path, "report.html")
         make_room(path)
-        result = result_of(source, duration, settings, output)
+
+        def check(simulation: rc.Simulation, seconds: float) -> None:
+            from rustchain.report.page import check_options
+
+            check_options(path, breaking_load, simulation.scene.kind)
+            _check_start(start, seconds)
+
+        result = result_of(source, duration, settings, output, check)
         result.report(path, start=start, end=end, breaking_load=breaking_load)
         output.say(path)
         output.document({"file": path, "status": result.status})
     _leave(source, result)
 
 
+def _check_start(start: float | None, seconds: float) -> None:
+    """Refuse a part that begins after the run."""
+    if start is not None and start > seconds:
+        fail(f"--start = {start:g}: the run ends at {seconds:g} s; expected a time before that")
+
+
 def _is_result(source: str) -> bool:
-    """Return whether a source is a file of results, by its name."""
-    return Path(source).suffix.lower() in ENDINGS
+    """Return whether a source is a file of results, by its name, or by its content without one."""
+    path = Path(source)
+    if path.suffix.lower() in (*ENDINGS, ".toml", ".json") or not path.is_file():
+        return path.suffix.lower() in ENDINGS
+    with path.open("rb") as file:
+        return file.read(8) == SIGNATURE[:8]
 
 
 def _leave(source: str, result: rc.Result) -> None:
@@ -137,9 +165,16 @@ def _leave(source: str, result: rc.Result) -> None:
 
 
 def result_of(
-    source: str, duration: float | None, settings: list[str] | None, output: Output
+    source: str,
+    duration: float | None,
+    settings: list[str] | None,
+    output: Output,
+    check: Callable[[rc.Simulation, float], None],
 ) -> rc.Result:
-    """Return the result in a file, or that of a drive's run with all that can be recorded."""
+    """Return the result in a file, or that of a drive's run with all that can be recorded.
+
+    What follows the run is checked before it, with the duration [s].
+    """
     if _is_result(source):
         if settings or duration is not None:
             fail(f"{source}: has been run; --set and --duration are for a drive")
@@ -151,4 +186,6 @@ def result_of(
     else:
         file, run["duration"] = with_options(file, ["duration"]), duration
     file = file.changed({}, {}, run)
-    return file.run_simulation(file.simulate())
+    simulation = file.simulate()
+    check(simulation, float(file.run["duration"]))
+    return file.run_simulation(simulation)

@@ -180,7 +180,8 @@ class DriveReport(HtmlView):
 
     def rows(self) -> list[Row]:
         """Return the rows of the table: a label, and a text or one for each column."""
-        spare = _text(1e3 * (self.links - self.belt_pitches) * self.pitch, ".3f")
+        pitch = self.pitch if self.drive is None else self.drive.chain.mean_pitch  # with wear
+        spare = _text(1e3 * (self.links - self.belt_pitches) * pitch, ".3f")
         rows: list[Row] = [
             ("chain", f"{self.links} links of {1e3 * self.pitch:.4f} mm"),
             (

@@ -6,7 +6,7 @@ import math
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import BytesIO
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 _SECONDS = 10.0  # that an animation lasts, unless slow motion is given
 _FRAMES = 20_000  # more are refused: thirteen minutes at 25 a second
 _FORMS = (".gif", ".mp4", ".html")
+_LEAST_OF_GIF = 100.0 / 65535.0  # frames a second: delays are 16 bits of hundredths
 _COLORS = 96  # of a GIF; with twice as many it is a fifth larger and looks the same
 
 
@@ -42,6 +43,48 @@ def shapes_of(scene: Scene) -> Shapes:
     if isinstance(scene.system, Mechanism):
         return shapes_of_mechanism(scene.system)
     return shapes_of_drive(scene.system)
+
+
+def check_options(
+    bodies: Sequence[str],
+    camera: str,
+    slow_motion: float | None,
+    fps: float,
+    view: float | None,
+    width: int,
+) -> None:
+    """Refuse options of an animation of these bodies that are out of their ranges."""
+    names = ("scene", *bodies)
+    if camera not in names:
+        msg = (
+            f"animate(camera): got {shown(camera)}; expected 'scene' or the name of a "
+            f"body; {suggest(camera, names)}"
+        )
+        raise InvalidInput(msg)
+    for name, value in (("slow_motion", slow_motion), ("fps", fps), ("view", view)):
+        if value is not None and not value > 0.0:
+            msg = f"animate({name}): got {shown(value)}; expected a positive number"
+            raise InvalidInput(msg)
+    if not 100 <= width <= 4000:
+        msg = f"animate(width): got {shown(width)}; expected 100 to 4000 pixels"
+        raise InvalidInput(msg)
+
+
+def check_file(path: Path, fps: float) -> None:
+    """Refuse a file that cannot be made of an animation with so many frames a second."""
+    form = path.suffix.lower()
+    if form not in _FORMS:
+        msg = f"path = {str(path)!r}: ends in {form!r}; expected .gif, .mp4 or .html"
+        raise InvalidInput(msg)
+    if form == ".gif" and fps < _LEAST_OF_GIF:
+        msg = f"animate(fps): got {shown(fps)}; a GIF has at least {_LEAST_OF_GIF:.2g} a second"
+        raise InvalidInput(msg)
+    if form == ".mp4" and shutil.which("ffmpeg") is None:
+        msg = (
+            "ffmpeg is not installed, which .mp4 needs: apt install ffmpeg, brew install ffmpeg or "
+            "conda install ffmpeg; or name a .gif or .html"
+        )
+        raise MissingExtra(msg, name="ffmpeg")
 
 
 @dataclass(frozen=True)
@@ -83,24 +126,12 @@ class Animation:
         """Check the options."""
         self.result.array("positions")
         object.__setattr__(self, "rows", rows_between(self.result, self.start, self.end))
-        names = ("scene", *self.result.body_names)
-        if self.camera not in names:
+        check_options(
+            self.result.body_names, self.camera, self.slow_motion, self.fps, self.view, self.width
+        )
+        if self._frames > _FRAMES:
             msg = (
-                f"animate(camera): got {shown(self.camera)}; expected 'scene' or the name of a "
-                f"body; {suggest(self.camera, names)}"
-            )
-            raise InvalidInput(msg)
-        for name in ("slow_motion", "fps", "view"):
-            value = getattr(self, name)
-            if value is not None and not value > 0.0:
-                msg = f"animate({name}): got {shown(value)}; expected a positive number"
-                raise InvalidInput(msg)
-        if not 100 <= self.width <= 4000:
-            msg = f"animate(width): got {shown(self.width)}; expected 100 to 4000 pixels"
-            raise InvalidInput(msg)
-        if self.frame_count > _FRAMES:
-            msg = (
-                f"animate(): makes {self.frame_count} frames; expected at most {_FRAMES}; give a "
+                f"animate(): makes {self._frames:.6g} frames; expected at most {_FRAMES}; give a "
                 "smaller slow_motion or a shorter part by start and end"
             )
             raise InvalidInput(msg)
@@ -116,7 +147,7 @@ class Animation:
     @property
     def frame_count(self) -> int:
         """Number of frames."""
-        return max(1, math.ceil(self._span * self.slowdown * self.fps - 1e-9))
+        return max(1, math.ceil(self._frames - 1e-9))
 
     @property
     def times(self) -> Array:
@@ -125,6 +156,10 @@ class Animation:
         steps: Array = first + np.arange(self.frame_count) / (self.fps * self.slowdown)
         last = float(self.result.time[self.rows.stop - 1])
         return np.minimum(steps, last)
+
+    @property
+    def _frames(self) -> float:
+        return self._span * self.slowdown * self.fps
 
     @property
     def _span(self) -> float:
@@ -159,11 +194,9 @@ class Animation:
             The file cannot be written.
         """
         where = path_of(path)
-        form = where.suffix.lower()
-        if form not in _FORMS:
-            msg = f"path = {str(where)!r}: ends in {form!r}; expected .gif, .mp4 or .html"
-            raise InvalidInput(msg)
+        check_file(where, self.fps)
         check_writable(where)
+        form = where.suffix.lower()
         if form == ".html":
             from rustchain.plot.player import player_page
 
@@ -222,19 +255,12 @@ def _gif(animation: Animation) -> bytes:
 
 def _mp4(animation: Animation) -> bytes:
     """Return the frames as an MP4 video for browsers and presentations."""
-    program = shutil.which("ffmpeg")
-    if program is None:
-        msg = (
-            "ffmpeg is not installed, which .mp4 needs: apt install ffmpeg, brew install ffmpeg or "
-            "conda install ffmpeg; or name a .gif or .html"
-        )
-        raise MissingExtra(msg, name="ffmpeg")
     frames = animation.frames()
     first = next(frames)
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "film.mp4"
         command = [
-            program, "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
+            "ffmpeg", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
             "-s", f"{first.shape[1]}x{first.shape[0]}", "-r", f"{animation.fps:g}", "-i", "-",
             "-an", "-vcodec", "libx264", "-crf", "20", "-pix_fmt", "yuv420p",
             "-movflags", "+faststart", str(target),

@@ -27,6 +27,7 @@ ARROW = 2.0  # length of the arrow of a large force, in sizes of a part
 THICKNESS = 0.16  # of arrows, in sizes of a part
 _VIEW = 8.0  # width of a view that follows a body, in sizes of a part
 _MARGIN = 0.6  # round all that moves, in sizes of a part
+_TALLEST = 1.25  # height of a frame over its width
 _HEAD, _FOOT = 44, 28  # [pixels] above and below the scene, for the scales and the time
 NAMES = {"joint": "reaction"}  # in legends; others are "tooth force" and so on
 
@@ -41,6 +42,7 @@ def view_of(animation: Animation) -> tuple[Array, Array]:
         size = high - low + 2.0 * margin
         if animation.view is not None:
             size *= animation.view / size[0]
+            size[1] = min(size[1], _TALLEST * size[0])
         return 0.5 * (low + high), size
     width = _VIEW * shapes.size if animation.view is None else animation.view
     if animation.view is None and animation.camera.startswith("sprocket_"):
@@ -71,7 +73,7 @@ class Canvas:
     def _set_up(self) -> None:
         """Make the figure with all artists, and keep what does not move as a background."""
         dpi, width = 100.0, 2 * (self.animation.width // 2)  # video codecs need even numbers
-        tall = int(np.clip(width * self.size[1] / self.size[0], 0.25 * width, 1.25 * width))
+        tall = int(np.clip(width * self.size[1] / self.size[0], 0.25 * width, _TALLEST * width))
         height = 2 * ((tall + _HEAD + _FOOT) // 2)
         size = width / dpi, height / dpi
         self.figure = Figure(figsize=size, dpi=dpi, facecolor=in_theme(PAPER, _THEME))

@@ -39,23 +39,31 @@ class HistoryFigures(Figures):
 def energy_figure(
     time: Array, energy: Energy, rows: slice, scale: float, unit: str, ax: Ax
 ) -> Figure:
-    """Return a figure of the energy balance in so many units a joule, and of its residual."""
+    """Return a figure of the energy balance in so many units a joule, and of its residual.
+
+    Sums count from the first of the rows, as those of `Result.between` do.
+    """
     time = time[rows]
+
+    def since(values: Array) -> Array:
+        counted: Array = values[rows] - values[rows.start] if rows.start else values[rows]
+        return counted
+
     figure, (upper, lower) = subplots(
         2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
     )
     curves = {
-        "dissipated": (energy.dissipated, RED),
-        "external work": (energy.external_work, GREEN),
-        "kinetic, change": (energy.kinetic - energy.kinetic[0], BLUE),
-        "gravity, change": (energy.gravity - energy.gravity[0], GREY),
-        "elastic": (energy.elastic, ORANGE),
+        "dissipated": (since(energy.dissipated), RED),
+        "external work": (since(energy.external_work), GREEN),
+        "kinetic, change": (energy.kinetic[rows] - energy.kinetic[rows.start], BLUE),
+        "gravity, change": (energy.gravity[rows] - energy.gravity[rows.start], GREY),
+        "elastic": (energy.elastic[rows], ORANGE),
     }
     for name, (values, color) in curves.items():
-        upper.plot(time, scale * values[rows], color=color, label=name)
+        upper.plot(time, scale * values, color=color, label=name)
     upper.set_ylabel(f"energy [{unit}]")
     legend_above(upper)
-    lower.plot(time, scale * energy.residual[rows], color=BLUE)
+    lower.plot(time, scale * since(energy.residual), color=BLUE)
     lower.set_ylabel(f"residual [{unit}]")
     lower.set_xlabel("time [s]")
     figure.align_ylabels()

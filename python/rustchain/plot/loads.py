@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from rustchain import _rustchain
 from rustchain.analysis.circuit import Circuit
 from rustchain.analysis.window import rows_between
+from rustchain.errors import InvalidInput
 from rustchain.plot.between_rows import round_number
 from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
 from rustchain.plot.finish import is_empty, note
@@ -157,7 +158,6 @@ class LoadFigures(Figures):
     ) -> Figure:
         """Draw the largest contact pressure over time, and its cycles per revolution."""
         found = self.result.contact_pressure(contact, start=start, end=end)
-        cycles = self.result.pressure_cycles(contact, start=start, end=end)
         part = "hinge" if contact == "hinge" else "bushing"
         figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 3.0), width_ratios=(1.4, 1.0))
         pressure = 1e-6 * found["peak_pressure"]
@@ -166,7 +166,11 @@ class LoadFigures(Figures):
         left.plot(time, pressure.mean(part), color=BLUE, linewidth=0.6, label="mean of all")
         left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
         legend_above(left)
-        _cycles(right, cycles)
+        try:
+            _cycles(right, self.result.pressure_cycles(contact, start=start, end=end))
+        except InvalidInput:  # the chain is open, or it hardly moves
+            right.set_yticks([])
+            note(right, "no revolution of the chain in this part")
         return figure
 
     @styled

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
@@ -110,8 +110,11 @@ class MechanismFigures(Figures):
         for axes, name in zip(cells, names, strict=True):
             view = self.result.contact(name)
             time = view.time[rows]
-            axes.plot(time, view.peak_force[rows], color=RED, linewidth=0.5, label="largest")
-            axes.plot(time, view.force[rows], color=BLUE, label="at the row")
+            forces = {"contact_force": view.force, "peak_contact_force": view.peak_force}
+            forces = from_first_row({array: of[rows] for array, of in forces.items()}, rows)
+            now, largest = forces.values()
+            axes.plot(time, largest, color=RED, linewidth=0.5, label="largest")
+            axes.plot(time, now, color=BLUE, label="at the row")
             axes.set_title(as_written(name))
         legend_outside(cells, "outside upper right", ax)
         return figure

@@ -13,6 +13,7 @@ from rustchain.arguments import shown
 from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.parts import place_of, position_of
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
 from rustchain.plot.finish import note
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
@@ -144,15 +145,15 @@ class MotionFigures(Figures):
         Without a selection, a line for each part, or the mean of more than eight.
         """
         found = self.result.spectrum(name, segment=segment, start=start, end=end)
+        known = [str(each) for each in found.dims if each != "frequency"]
         for dim in of:
-            if dim not in found.dims:
-                known = [str(each) for each in found.dims if each != "frequency"]
+            if dim not in known:
                 msg = f"{dim}: {shown(name)} has no such parts; {suggest(dim, known)}"
                 raise InvalidInput(msg)
         there = {"hinge": hinges_of, "bushing": bushings_of}  # those of drives alone
         for dim in (each for each in there if each in found.dims and each not in of):
             found = found.isel({dim: there[dim](self.result.drive)})
-        chosen = found.sel(of)
+        chosen = found.isel({dim: _places(found, dim, parts) for dim, parts in of.items()})
         others = [dim for dim in chosen.dims if dim != "frequency"]
         figure, axes = subplots(ax=ax, figsize=(7.0, 2.9))
         lines = chosen.stack(part=others) if others else chosen.expand_dims("part")
@@ -209,6 +210,19 @@ class MotionFigures(Figures):
         if np.isfinite(efficiency):
             above.set_title(f"efficiency {efficiency:.4f}")
         return figure
+
+
+def _places(found: xr.DataArray, dim: str, parts: object) -> int | list[int]:
+    """Return the places along a dimension of a part, or of several, by number or name."""
+    if isinstance(parts, list | tuple | np.ndarray) and len(parts):
+        return [int(np.ravel(_places(found, dim, part))[0]) for part in parts]
+    known = found[dim].to_numpy().tolist()
+    if isinstance(parts, int | np.integer) and not isinstance(parts, bool):
+        return position_of(dim, int(parts), len(known))
+    if not isinstance(known[0], str):
+        msg = f"{dim}: got {shown(parts)}; expected a number from 1 to {len(known)}"
+        raise InvalidInput(msg)
+    return place_of(dim, parts, known)
 
 
 def radius_of(found: xr.Dataset) -> float:

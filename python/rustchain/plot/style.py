@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
@@ -61,6 +62,17 @@ def use_theme(theme: Theme) -> None:
     """
     global _theme
     _theme = theme
+
+
+@contextmanager
+def light_theme() -> Iterator[None]:
+    """Draw in light colours, whatever the theme: for a page, which replaces them by its own."""
+    global _theme
+    before, _theme = _theme, "light"
+    try:
+        yield
+    finally:
+        _theme = before
 
 
 def styled(draw: _Draw) -> _Draw:

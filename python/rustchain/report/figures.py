@@ -16,6 +16,7 @@ from rustchain.analysis.window import start_positions
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.plot.colors import IN_DARK
 from rustchain.plot.picture import draw_drive
+from rustchain.plot.style import light_theme
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,7 +44,7 @@ def figures_of(result: Result) -> Iterator[Drawn]:
     """Yield the figures that a result has the data for, and why others are left out."""
     for title, draw in _wanted(result):
         try:
-            with warnings.catch_warnings():
+            with light_theme(), warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of runs too short for a spectrum
                 figure = draw()
             yield Drawn(title, svg_of(figure))
@@ -70,7 +71,8 @@ def svg_of(figure: Figure) -> str:
 
 def picture_of(result: Result) -> str:
     """Return the drive at the start of the simulation as SVG."""
-    return svg_of(draw_drive(result.drive, start_positions(result)))
+    with light_theme():
+        return svg_of(draw_drive(result.drive, start_positions(result)))
 
 
 def _wanted(result: Result) -> list[tuple[str, Callable[[], Figure]]]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib import resources
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,6 +24,7 @@ from rustchain.plot.player import player_part
 from rustchain.report.confidence import PARTS, KeyFigure, key_figures
 from rustchain.report.figures import Drawn, figures_of, picture_of
 from rustchain.report.safety import USUAL_SAFETY, USUAL_SAFETY_OFFSET, Safety, safety_of
+from rustchain.simulation.simulation import Simulation
 from rustchain.typing import FilePath, Time
 
 if TYPE_CHECKING:
@@ -47,15 +50,25 @@ def write_report(
 ) -> None:
     """Write what `Result.report` promises."""
     where = path_of(path)
-    if where.suffix.lower() not in (".html", ".htm"):
-        msg = f"path = {str(where)!r}: ends in {where.suffix!r}; expected .html"
-        raise InvalidInput(msg)
-    if breaking_load is not None and not breaking_load > 0.0:
-        msg = f"report(breaking_load): got {breaking_load:g}; expected a positive number in N"
-        raise InvalidInput(msg)
+    check_options(where, breaking_load, result.scene.kind)
     _ = extras.matplotlib, extras.xarray  # first, as they name their extras
     check_writable(where)
     write_whole(where, report_page(result, start, end, breaking_load).encode())
+
+
+def check_options(path: Path, breaking_load: float | None, kind: str) -> None:
+    """Refuse options of a report on a scene of a kind that are out of their ranges."""
+    if path.suffix.lower() not in (".html", ".htm"):
+        msg = f"path = {str(path)!r}: ends in {path.suffix!r}; expected .html"
+        raise InvalidInput(msg)
+    if breaking_load is None:
+        return
+    if kind == "mechanism":
+        msg = "report(breaking_load): a mechanism has no chain; leave it out"
+        raise InvalidInput(msg)
+    if not breaking_load > 0.0:
+        msg = f"report(breaking_load): got {breaking_load:g}; expected a positive number in N"
+        raise InvalidInput(msg)
 
 
 def report_page(
@@ -103,6 +116,11 @@ def _anchor(title: str) -> str:
 def _warnings(result: Result) -> str:
     """Return the warnings of the scene and of the run."""
     found = list(result.scene.system.check().warnings)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        Simulation(result.scene)
+    # Those of the drive are there; the others are of force laws and of the solver.
+    found += [text for each in caught if (text := str(each.message)) not in found]
     if not result.success:
         how = "failed" if result.status == "failed" else f"was {result.status}"
         found.append(f"the run {how}: {result.message}")
@@ -122,7 +140,11 @@ def _inputs(result: Result) -> str:
     if isinstance(scene.system, ChainDrive):
         layout = f'<figure class="drive">{picture_of(result)}</figure>'
         layout += f'<div class="scroll">{html_table(scene.system.check().rows())}</div>'
-        laws = [("law of hinges", scene.law_of_hinges), ("law of teeth", scene.law_of_teeth)]
+        ideal = scene.system.hinges == "ideal"
+        laws = [
+            ("law of hinges", "ideal hinges" if ideal else scene.law_of_hinges),
+            ("law of teeth", scene.law_of_teeth),
+        ]
     else:
         layout = f"<pre>{escape(str(scene.system.check()))}</pre>"
     rows = [(label, _short(value)) for label, value in (*laws, ("solver", scene.solver))]
@@ -137,6 +159,8 @@ def _inputs(result: Result) -> str:
 
 def _short(value: object) -> str:
     """Return a description in one line: its name, and what it sets."""
+    if isinstance(value, str):
+        return value
     fields = fields_of(value) or {}
     given = ", ".join(f"{k} {v}" for k, v in fields.items() if v is not None)
     return f"{type(value).__name__}: {given}"
@@ -234,9 +258,10 @@ def _pressures(found: Safety) -> str:
 
 _SOURCES = (
     f'<p class="note">Safety of {USUAL_SAFETY:g} of the breaking load for chains with press-fit '
-    f"connecting links, {USUAL_SAFETY_OFFSET:g} with offset links: rule of Diamond Chain for slow "
-    "drives. Pressure over the projected area, pin diameter times length of the bushing. Its guide "
-    "value is a textbook's for the mean pressure, at this pitch and speed of the small sprocket, "
+    f"connecting links, {USUAL_SAFETY_OFFSET:g} with slip-fit ones or offset links: rule of "
+    "Diamond Chain for slow drives. Pressure over the projected area, pin diameter times length of "
+    "the bushing. Its guide value is a textbook's for the mean pressure, at this pitch and speed "
+    "of the small sprocket, "
     "with 1 % more for each tooth above 17: Chernavskii and others, Course Design of Machine "
     "Elements (edition and page not checked). It is no limit of a standard or of the chain's "
     "manufacturer, and other tables differ from it by up to 30 %. The manufacturer's selection by "

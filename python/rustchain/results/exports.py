@@ -42,8 +42,8 @@ class Exports:
     ) -> Animation:
         """Show the motion that was recorded, in a notebook or as a file.
 
-        Bodies are drawn between the rows by cubic interpolation, so that ``record`` must have
-        "bodies" in it; contact forces and joint reactions that were recorded are arrows.
+        ``record`` must have "bodies" in it; contact forces and joint reactions that were recorded
+        are arrows. Between the rows GIF and MP4 have cubic interpolation, the player has linear.
 
         Parameters
         ----------

@@ -13,6 +13,7 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.arguments import finite_number, shown
 from rustchain.description.base import Description, description, plain
+from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.errors import InvalidInput, NoSuchPart
 from rustchain.names import suggest
 from rustchain.simulation.run import GROUPS
@@ -99,7 +100,12 @@ class _ContactForceAbove(StopCondition):
 
     def look_at(self, simulation: Simulation) -> Look:
         """Return the function that is called at each report of `simulation`."""
-        which = self._one_of(self.contact, simulation.drive.hinge_count)
+        drive = simulation.drive
+        which = self._one_of(self.contact, drive.hinge_count)
+        there = hinges_of(drive) if self.contact == "hinge" else bushings_of(drive)
+        if which.stop - which.start == 1 and which.start not in there:
+            expected = f"must be a {self.contact} that this open chain has"
+            raise self._refusal(self.contact, which.start + 1, expected, NoSuchPart)
 
         def look() -> str | None:
             row = simulation._core.last_row(self.channel)[which]

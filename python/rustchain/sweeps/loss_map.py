@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain.arguments import checked, shown
-from rustchain.description.drive import AppliedTorque, ChainDrive
+from rustchain.description.drive import AppliedTorque, ChainDrive, PrescribedSpeed
 from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput
 from rustchain.results.result import Result
@@ -94,8 +94,16 @@ def loss_map(
     for name, values in (("speeds", speeds), ("torques", torques)):
         if len(values) == 0:
             raise InvalidInput(f"{name} = {shown(values)}: must hold at least one value")
-    if all(sprocket.side == "inside" for sprocket in drive.sprockets):  # all turn the same way
-        helping = np.argwhere(np.multiply.outer(np.ravel(torques), np.ravel(speeds)) > 0.0)
+    driven = (isinstance(each.motion, PrescribedSpeed) for each in drive.sprockets)
+    driver = next((number for number, is_driver in enumerate(driven, 1) if is_driver), None)
+    if loaded == driver:
+        msg = f"loaded = {loaded}: sprocket {loaded} is the driver; expected another sprocket"
+        raise InvalidInput(msg)
+    if driver is not None:  # without one the sweep refuses its speeds
+        sides = drive.check().sides
+        same = 1.0 if sides[loaded - 1] == sides[driver - 1] else -1.0
+        powers = same * np.multiply.outer(np.ravel(torques), np.ravel(speeds))
+        helping = np.argwhere(powers > 0.0)
         if len(helping) > 0:
             torque, speed = np.ravel(torques)[helping[0, 0]], np.ravel(speeds)[helping[0, 1]]
             msg = (

@@ -1,6 +1,7 @@
 """Places in the wrap of a drive whose tensioner has taken up two pitches of slack."""
 
 import math
+import warnings
 from dataclasses import replace
 from functools import cache
 
@@ -115,3 +116,22 @@ def test_sections_of_the_path_are_where_bushings_touch_the_sprockets(first):
             (loads["mean"].fillna(0.0).to_numpy() * around).sum() / around[named].sum()
         )
         assert abs(apart) * links / (2 * math.pi) < 0.35
+
+
+def test_sprockets_that_have_come_together_are_told_by_their_numbers(tmp_path):
+    sprockets = [
+        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(40.0)),
+        rc.Sprocket(25, (0.4, 0.0), rc.AppliedTorque(-8.0), load_inertia=1e-3),
+    ]
+    tensioner = rc.Tensioner(30.0, damping=100.0, ramp_time=0.02)
+    drive = rc.chain_drive("ANSI 40", sprockets, links=86, tensioner=tensioner)
+    result = rc.Simulation(drive).run(2e-3, progress=False)
+    center = result.array("sprocket_center").copy()
+    center[-1, 1] = center[-1, 0] + (0.01, 0.0)
+    moved = replace(result, arrays={**result.arrays, "sprocket_center": center})
+    for call in (moved.hinge_loads, lambda: moved.wrap_loads(1)):
+        with pytest.raises(rc.InvalidInput, match=r"sprockets 1 and 2: their centres are 0\.01 m"):
+            call()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        moved.report(tmp_path / "report.html")  # which leaves the figure out

@@ -85,3 +85,16 @@ def test_the_generated_polygon_of_a_chain_that_carries_a_mass_has_the_weight_of_
         apart[rollers] = np.hypot(*(generated - static).T).max()
     # Without the rollers 3.3 mm; the rest is play.
     assert apart["bodies"] < 1.2 * apart["fixed"] < 1e-3
+
+
+def test_the_pressure_of_an_open_chain_is_drawn_without_cycles():
+    drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()), links=10)
+    result = rc.Simulation(drive).run(2e-3, progress=False)
+    figure = result.plot.contact_pressure()
+    assert "no revolution of the chain" in figure.axes[1].texts[0].get_text()
+
+
+def test_a_stop_at_a_hinge_that_an_open_chain_does_not_have_is_refused():
+    drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(5.0)), links=10)
+    with pytest.raises(rc.NoSuchPart, match="must be a hinge that this open chain has"):
+        rc.Simulation(drive).run(1e-3, stop=[rc.HingeForceAbove(1.0, hinge=11)], progress=False)

@@ -285,3 +285,16 @@ def test_the_load_along_a_wrap_is_that_of_its_teeth(short):
     assert found["largest"].max() == 3.0
     mean = found["mean"].to_numpy()
     np.testing.assert_allclose(np.sort(mean[mean > 0.0]), 0.4 / 0.3 * np.array([2.0, 3.0]))
+
+
+def test_a_run_from_given_positions_counts_no_seated_bushing_as_an_engagement():
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", (17, 25), links=60, speed=40.0, torque=-3.0, pretension=60.0
+    )
+    simulation = rc.Simulation(drive)
+    simulation.step_to(0.15)
+    drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
+    place = {"positions": simulation.positions, "velocities": simulation.velocities}
+    again = rc.Simulation(drive, **place).run(3e-3, progress=False)
+    continued = simulation.run(3e-3, progress=False)
+    assert len(again.engagements()) == len(continued.engagements()) == 0

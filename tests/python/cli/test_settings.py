@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -346,3 +347,54 @@ def test_check_tells_each_warning_once_those_of_laws_too():
         "gravity",
         "force_law.stiffness",
     ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("report", "paper", "-o", "report.pdf"), "ends in '.pdf'; expected .html"),
+        (("report", "paper", "--breaking-load", -3), "report(breaking_load): got -3"),
+        (("report", "paper", "--start", 3), "--start = 3: the run ends at 2 s"),
+        (("animate", "paper", "-o", "film.avi"), "expected .gif, .mp4 or .html"),
+        (("animate", "paper", "--fps", -1), "animate(fps): got -1.0"),
+        (("animate", "paper", "--fps", 0.001), "a GIF has at least 0.0015 a second"),
+        (("animate", "paper", "--camera", "sproket_1"), "did you mean 'sprocket_1'?"),
+        (("animate", "paper", "--start", 3), "--start = 3: the run ends at 2 s"),
+    ],
+)
+def test_what_follows_a_run_is_checked_before_it(arguments, told, tmp_path, monkeypatch):
+    def run(*_, **__):
+        raise AssertionError
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(rc.Simulation, "run", run)
+    done = rustchain(*arguments)
+    assert done.exit_code == 1, done.output
+    assert told in " ".join(done.output.split())
+
+
+def test_a_result_without_an_ending_is_known_by_its_content(file, tmp_path):
+    for name in ("run", "run_25.5"):
+        path = tmp_path / name
+        path.write_bytes(Path(file).read_bytes())
+        done = rustchain("report", path, "-o", tmp_path / "report.html")
+        assert done.exit_code == 0, done.output
+
+
+def test_numbers_of_hinges_for_figures_that_have_none_are_refused(file, tmp_path):
+    done = rustchain("plot", file, "tension", "--hinges", "6", "--out", tmp_path)
+    assert done.exit_code == 2
+    assert "--hinges = 6: tension takes none; leave it out" in done.output
+
+
+def test_plot_draws_guides_and_bodies_where_there_are_some(tmp_path):
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 17), links=38, speed=20.0, torque=-3.0)
+    rail = rc.GuideRail((0.07, 0.0435), (0.0, -1.0), length=0.08)
+    drive = replace(drive, guides=[rail], hinges="ideal")
+    record = ("hinges", "teeth", "sprockets", "bodies", "energy")
+    rc.Simulation(drive).run(0.02, record=record, progress=False).save(tmp_path / "run.nc")
+    done = rustchain("plot", tmp_path / "run.nc", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    drawn = {path.stem for path in tmp_path.glob("*.png")}
+    new = {"guide_loads", "joint_loads", "motion", "paths", "spectrum", "strand_motion"}
+    assert new <= drawn, done.output

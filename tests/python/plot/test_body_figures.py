@@ -134,3 +134,18 @@ def test_names_are_shown_as_they_are():
         (legend,) = figure.legends
         (text,) = legend.get_texts()
         assert text.get_text().replace("\\", "").strip() == name
+
+
+def test_a_contact_force_of_a_part_has_no_peak_from_before_it():
+    m = rc.Mechanism(gravity=(0.0, 0.0))
+    m.add_body("ball", 0.01, 1e-6, (0.02 + 1e-6, 0.0, 0.0), (-0.5, 0.0, 0.0))
+    surfaces = rc.SurfaceContact(rc.LankaraniNikravesh(), material=rc.Material(restitution=0.7))
+    m.add_disc_contact("stop", "ground", "ball", 0.01, 0.01, surfaces)
+    result = rc.Simulation(m).run(5e-4, report_step=5e-5, progress=False)
+    view = result.contact("stop")
+    row = int(np.argmax(view.peak_force))
+    assert view.peak_force[row] > 2.0 * view.force[row]
+    figure = result.plot.contact_force("stop", start=result.time[row])
+    largest = figure.axes[0].lines[0].get_ydata()
+    assert largest[0] == view.force[row]
+    np.testing.assert_array_equal(largest[1:], view.peak_force[row + 1 :])

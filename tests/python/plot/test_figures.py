@@ -286,3 +286,39 @@ def test_numbers_of_hinges_of_chains_of_any_length_are_inside_the_axes(links, gi
         assert axes.bbox.x0 <= box.x0 < box.x1 <= axes.bbox.x1
         assert axes.bbox.y0 <= box.y0 < box.y1 <= axes.bbox.y1
         assert not any(box.overlaps(other) for other in boxes[:k])
+
+
+@pytest.mark.parametrize(
+    ("array", "of", "error"),
+    [
+        (
+            "strand_tension",
+            {"strand": "uper"},
+            r"strand: 'uper' is no strand; did you mean 'upper'",
+        ),
+        ("strand_tension", {"strand": 3}, "strand 3: strands are numbered 1 to 2"),
+        ("hinge_force", {"hinge": 0}, "hinge 0: hinges are numbered 1 to 38; the nearest is 1"),
+        ("hinge_force", {"hinge": [6, 99]}, "hinge 99: hinges are numbered 1 to 38"),
+        ("hinge_force", {"hinge": 6.5}, "hinge: got 6.5; expected a number from 1 to 38"),
+        ("hinge_force", {"hinge": []}, r"hinge: got \[\]; expected a number from 1 to 38"),
+        ("hinge_force", {"frequency": 3}, "frequency: 'hinge_force' has no such parts"),
+    ],
+)
+def test_a_spectrum_of_a_part_that_is_not_there_is_refused_by_name(array, of, error):
+    with pytest.raises(rc.InvalidInput, match=error):
+        RESULT.plot.spectrum(array, **of)
+
+
+def test_a_spectrum_is_that_of_the_part_by_number_or_name():
+    of_one = RESULT.spectrum("strand_tension").sel(strand="upper")
+    for strand in ("upper", 1):
+        (line,) = RESULT.plot.spectrum("strand_tension", strand=strand).axes[0].lines
+        np.testing.assert_array_equal(line.get_ydata(), of_one)
+
+
+def test_energies_of_a_part_count_from_its_first_row():
+    part = RESULT.between(0.01, 0.015).plot.energy()
+    drawn = RESULT.plot.energy(start=0.01, end=0.015)
+    for axes, expected in zip(drawn.axes, part.axes, strict=True):
+        for line, other in zip(axes.lines, expected.lines, strict=True):
+            np.testing.assert_array_equal(line.get_xydata(), other.get_xydata())

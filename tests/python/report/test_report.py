@@ -337,3 +337,40 @@ def test_on_a_phone_only_tables_and_figures_scroll_sideways(path):
     with opened(path, viewport={"width": 390, "height": 844}) as page:
         ready(page)
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_a_report_has_the_colours_of_its_page_whatever_the_theme(result, tmp_path):
+    pages = []
+    for theme in ("light", "dark"):
+        rc.plot.use_theme(theme)
+        try:
+            result.report(tmp_path / f"{theme}.html", start=0.1)
+        finally:
+            rc.plot.use_theme("light")
+        pages.append((tmp_path / f"{theme}.html").read_text(encoding="utf-8"))
+    assert pages[0] == pages[1]
+    assert "var(--x" in pages[0]
+
+
+def test_a_report_has_the_warnings_of_laws_and_solver(tmp_path):
+    solver = rc.Solver(accuracy=1e-5)
+    with pytest.warns(rc.RustchainWarning, match=r"solver\.accuracy"):
+        simulation = rc.Simulation(loaded_drive(), solver=solver)
+    simulation.run(1e-5, energy=False, progress=False).report(tmp_path / "report.html")
+    assert "solver.accuracy" in text_of(tmp_path / "report.html").split("All inputs")[0]
+
+
+def test_a_report_of_ideal_hinges_names_no_law_for_them(tmp_path):
+    drive = replace(loaded_drive(), hinges="ideal")
+    result = rc.Simulation(drive).run(2e-3, progress=False)
+    result.report(tmp_path / "report.html")
+    assert "law of hinges ideal hinges" in text_of(tmp_path / "report.html")
+
+
+def test_a_breaking_load_of_a_mechanism_is_refused(tmp_path):
+    mechanism = rc.Mechanism()
+    mechanism.add_body("rod", mass=1.0, inertia=0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "rod", at=(0.0, 0.0))
+    result = rc.Simulation(mechanism).run(1e-3, progress=False)
+    with pytest.raises(rc.InvalidInput, match=r"report\(breaking_load\): a mechanism has no chain"):
+        result.report(tmp_path / "report.html", breaking_load=1e4)

@@ -896,3 +896,21 @@ def test_a_simulation_or_a_result_is_no_scene_but_has_one():
         for call in (rc.Simulation, lambda given: rc.sweep(given, {"rtol": [1e-5]})):
             with pytest.raises(rc.InvalidInput, match=rf"; use {name}\.scene"):
                 call(given)
+
+
+@pytest.mark.parametrize("side", ["inside", "outside"])
+def test_a_loss_map_refuses_a_torque_that_helps(side):
+    sprockets = [
+        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(20.0)),
+        rc.Sprocket(25, (0.3, 0.0), rc.Free() if side == "outside" else rc.AppliedTorque(-2.0)),
+        rc.Sprocket(
+            13, (0.15, 0.03), rc.AppliedTorque(2.0) if side == "outside" else rc.Free(),
+            side="outside",
+        ),
+    ]  # fmt: skip
+    drive = rc.chain_drive("ANSI 40", sprockets, adjust=2)
+    loaded, helping = (3, -2.0) if side == "outside" else (2, 2.0)
+    with pytest.raises(rc.InvalidInput, match=f"turns sprocket {loaded} the way it goes"):
+        rc.loss_map(drive, [20.0], [helping], loaded=loaded, duration=1e-3, burn_in=5e-4)
+    with pytest.raises(rc.InvalidInput, match="sprocket 1 is the driver"):
+        rc.loss_map(drive, [20.0], [-2.0], loaded=1, duration=1e-3, burn_in=5e-4)
