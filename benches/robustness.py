@@ -246,7 +246,7 @@ def write(outcomes: list[Outcome], options: argparse.Namespace, duration: float)
         "",
         "Scenes without damping (restitution 1.0, Johnson's law) are slow and have the "
         "largest residuals, because nothing stops contacts from bouncing. At restitution 1.0 "
-        "and 25 N there are 5.4e5 impacts a simulated second, over all hinges and seats. "
+        "and 25 N there are 5.3e5 impacts a simulated second, over all hinges and seats. "
         "Their number is constant, and the kinetic energy stays between 0.07 and 0.09 J. "
         "`newton` takes 6.5e5 steps at 1e-9 m, one for 0.8 impacts. The energy error of an "
         "impact is 1.3e-8 J there, and 2.5e-9 J with `auto` and `pece` at 1e-10 m. The errors "

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::configuration::InitialConfiguration;
 use super::many_sprockets::{Around, GIVEN_UP};
 use super::open_layout;
-use super::report::Layout;
+use super::report::{Layout, tension_force};
 use super::strand_motion;
 use super::two_sprockets::TwoSprocketDrive;
 use crate::drive::Drive;
@@ -106,6 +106,12 @@ impl InitialConfiguration {
                 [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
             }
             if moved <= SETTLED * drive.chain.pitch {
+                // The report is of the sprockets where they are described, not of the displaced centres of their teeth.
+                layout.tension_force = tension_force(drive)?;
+                layout.center_distance = layout
+                    .center_distance
+                    .map(|_| (drive.sprockets[1].center - drive.sprockets[0].center).norm());
+                layout.warn(drive);
                 return Ok(Some((start, layout)));
             }
             before = Some(layout.phase);

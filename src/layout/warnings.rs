@@ -9,6 +9,8 @@ use crate::geometry::path::wrap;
 const LEAST_WRAP: f64 = 120.0 - 1e-9;
 /// Difference of the chain speeds of two sprockets, over the larger one, above which a warning is given.
 const SPEED_MISMATCH: f64 = 0.01;
+/// Rows and ends of ramps at which prescribed speeds are compared.
+const MOST_KNOTS: usize = 10_000;
 
 /// Return the reason why the drive's tensioner does not reach its tension, if any.
 fn tensioner_warning(drive: &Drive) -> Option<String> {
@@ -217,6 +219,36 @@ impl Layout {
         self.warnings = warnings;
     }
 
+    /// Return a warning where the prescribed speeds of two sprockets agree at the start, and not at a later row or end of a ramp.
+    fn later_mismatch(&self, drive: &Drive, pair: [usize; 2]) -> Option<String> {
+        let [SprocketMotion::PrescribedSpeed(one), SprocketMotion::PrescribedSpeed(two)] =
+            pair.map(|i| &drive.sprockets[i].motion)
+        else {
+            return None;
+        };
+        let scale = pair.map(|i| self.sides[i].sign() * f64::from(drive.sprockets[i].teeth));
+        let largest = (scale[0] * one.largest())
+            .abs()
+            .max((scale[1] * two.largest()).abs());
+        let differ = |t: f64| {
+            let difference = scale[0] * one.value(t) - scale[1] * two.value(t);
+            difference.abs() > SPEED_MISMATCH * largest
+        };
+        if differ(0.0) {
+            return None;
+        }
+        let next = |t: &f64| Some(one.next_knot(*t).min(two.next_knot(*t)));
+        let knots = std::iter::successors(next(&0.0), next);
+        let at = (knots.take(MOST_KNOTS).take_while(|t| t.is_finite())).find(|&t| differ(t))?;
+        Some(format!(
+            "sprockets {} and {} have {:.4} and {:.4} rad/s at {at:.4} s, which move the chain at different speeds",
+            pair[0] + 1,
+            pair[1] + 1,
+            one.value(at),
+            two.value(at)
+        ))
+    }
+
     fn warn_of_speeds(&self, drive: &Drive, warnings: &mut Vec<String>) {
         // Given speeds must agree; the others follow.
         let given: Vec<usize> = (0..drive.sprockets.len())
@@ -226,6 +258,9 @@ impl Layout {
             |i: usize| self.sides[i].sign() * self.speeds[i] * f64::from(drive.sprockets[i].teeth);
         if let [first, others @ ..] = given.as_slice() {
             for other in others {
+                if let Some(told) = self.later_mismatch(drive, [*first, *other]) {
+                    warnings.push(told);
+                }
                 let (one, two) = (chain_speed(*first), chain_speed(*other));
                 if (one - two).abs() > SPEED_MISMATCH * one.abs().max(two.abs()) {
                     warnings.push(format!(

@@ -177,12 +177,12 @@ pub(super) fn input_quantity(name: &str) -> crate::error::Result<InputQuantity> 
 /// Read the quantity and the signal of an input.
 pub(super) fn input(quantity: &str, value: &Bound<'_, PyAny>) -> PyResult<(InputQuantity, Signal)> {
     let quantity = input_quantity(quantity)?;
-    let (name, unit) = match quantity {
-        InputQuantity::Speed => ("speed", "rad/s"),
-        InputQuantity::Torque => ("torque", "N m"),
-        InputQuantity::TensionerForce => ("force", "N"),
+    let signal = match quantity {
+        InputQuantity::Speed => describe::signal(value, "speed", "rad/s")?,
+        InputQuantity::Torque => describe::signal(value, "torque", "N m")?,
+        InputQuantity::TensionerForce => Signal::Constant(describe::finite(value, "force", "N")?),
     };
-    Ok((quantity, describe::signal(value, name, unit)?))
+    Ok((quantity, signal))
 }
 
 /// Return a wall time budget.

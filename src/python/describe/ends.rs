@@ -46,12 +46,16 @@ fn end_velocity(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[Signal; 2]> {
         refuse(name, value, expected)
     };
     let given = value.cast::<PyTuple>().map_err(|_| wrong())?;
+    let is_row = |item: &Bound<'_, PyAny>| item.extract::<[f64; 3]>().is_ok();
+    // Two rows (time, x, y) are no functions of time, which have two numbers in each of their rows.
+    if let Ok([x, y]) = given.extract::<[Bound<'_, PyAny>; 2]>()
+        && !(is_row(&x) && is_row(&y))
+    {
+        return Ok([signal(&x, name, "m/s")?, signal(&y, name, "m/s")?]);
+    }
     let first = given.get_item(0).map_err(|_| wrong())?;
     if !first.is_instance_of::<PyTuple>() {
-        let Ok([x, y]) = given.extract::<[Bound<'_, PyAny>; 2]>() else {
-            return Err(wrong());
-        };
-        return Ok([signal(&x, name, "m/s")?, signal(&y, name, "m/s")?]);
+        return Err(wrong());
     }
     let mut both = [Vec::new(), Vec::new()];
     for row in given {

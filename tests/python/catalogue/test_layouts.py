@@ -397,3 +397,27 @@ def test_links_of_different_elongation_are_counted_by_their_mean_and_keep_their_
     worn = replace(made, links=links, elongation=each)
     assert rc.chain_drive(worn, PAIR).chain == worn
     assert rc.chain_drive(worn, PAIR, links=links, adjust=2).chain == worn
+
+
+def test_a_report_with_eccentric_teeth_is_of_the_places_as_described():
+    centered = [
+        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(20.0)),
+        rc.Sprocket(25, (0.41, 0.0), rc.AppliedTorque(-2.0)),
+    ]
+    tensioner = rc.Tensioner(60.0, stiffness=2e4)
+    expected = rc.chain_drive("ANSI 40", centered, tensioner=tensioner).check()
+    eccentric = [replace(centered[0], eccentricity=1e-3), centered[1]]
+    found = rc.chain_drive("ANSI 40", eccentric, tensioner=tensioner).check()
+    assert found.tension_force == expected.tension_force
+    assert found.center_distance == pytest.approx(0.41, abs=1e-15)
+
+
+@pytest.mark.parametrize(("end", "warned"), [(40.0, True), (40.0 * 17 / 25, False)])
+def test_ramps_of_two_motors_that_do_not_agree_are_warned_of(end, warned):
+    sprockets = [
+        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed([(0.0, 0.0), (0.02, 40.0)])),
+        rc.Sprocket(25, (0.35, 0.0), rc.PrescribedSpeed(rc.Table([(0.0, 0.0), (0.02, end)]))),
+    ]
+    told = " ".join(rc.chain_drive("ANSI 40", sprockets).check().warnings)
+    assert ("have 40.0000 and 40.0000 rad/s at 0.0200 s" in told) is warned
+    assert ("different speeds" in told) is warned

@@ -1,5 +1,6 @@
 """Speeds and torques that are set while a drive runs: co-simulation and controllers."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -139,3 +140,10 @@ def test_a_torque_on_ideal_hinges_is_met_as_with_little_clearance():
         mean[hinges] = result.sprocket(1).torque.mean()
     assert mean["ideal"] == pytest.approx(2.0, rel=0.1)
     assert mean["ideal"] == pytest.approx(mean["clearance"], rel=0.05)
+
+
+@pytest.mark.parametrize("force", [math.nan, [(0.0, 1.0), (1.0, 2.0)], rc.Sines([(2.0, 3.0, 0.0)])])
+def test_a_force_of_the_tensioner_is_one_number(force):
+    simulation = rc.Simulation(rc.paper_drive(25.0))
+    with pytest.raises(rc.InvalidInput, match=r"must be a (finite )?number in N"):
+        simulation.set_tensioner_force(force)

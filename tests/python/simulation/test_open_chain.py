@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import rustchain as rc
 from reference.compare import assert_within
@@ -435,3 +435,13 @@ def test_the_place_of_a_guide_beside_an_open_chain_is_the_strand_that_is_nearest
     beside = [rc.GuideRail((x, -0.25), (1.0, 0.0), 0.05) for x in (-0.23, 0.23)]
     drive = rc.open_chain("ANSI 40", ends, 64, [rc.Sprocket(17, (0.0, 0.0))], guides=beside)
     assert drive.check().guide_place == ("strand end_1-1", "strand 1-end_2")
+
+
+@pytest.mark.parametrize("rows", [((0.0, 0.0), (0.5, 0.2)), [(0.0, 0.0), (0.2, 0.1), (0.5, 0.2)]])
+def test_each_part_of_the_velocity_of_an_end_may_be_rows(rows):
+    anchor = rc.AnchoredEnd((0.0, 0.0), velocity=(rows, 0.0))
+    drive = rc.open_chain("ANSI 40", (anchor, rc.FreeEnd()), links=4)
+    table = rc.AnchoredEnd((0.0, 0.0), velocity=(rc.Table(rows), 0.0))
+    same = rc.open_chain("ANSI 40", (table, rc.FreeEnd()), links=4)
+    found, expected = (rc.Simulation(each).run(5e-3, progress=False) for each in (drive, same))
+    assert_array_equal(found.array("hinge_force"), expected.array("hinge_force"))
