@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::configuration::InitialConfiguration;
 use super::many_sprockets::{Around, GIVEN_UP};
 use super::open_layout;
-use super::report::{Layout, tension_force};
+use super::report::Layout;
 use super::strand_motion;
 use super::two_sprockets::TwoSprocketDrive;
 use crate::drive::Drive;
@@ -83,6 +83,7 @@ impl InitialConfiguration {
         let gap = |i: usize| TAU / f64::from(drive.sprockets[i].teeth);
         let mut centered = drive.clone();
         let mut before: Option<Vec<f64>> = None;
+        let described = laid.1.clone();
         let mut first = Some(laid);
         for _ in 0..MOST_ROUNDS {
             let (mut start, mut layout) = match first.take() {
@@ -106,11 +107,11 @@ impl InitialConfiguration {
                 [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
             }
             if moved <= SETTLED * drive.chain.pitch {
-                // The report is of the sprockets where they are described, not of the displaced centres of their teeth.
-                layout.tension_force = tension_force(drive)?;
-                layout.center_distance = layout
-                    .center_distance
-                    .map(|_| (drive.sprockets[1].center - drive.sprockets[0].center).norm());
+                // These are of the sprockets where they are described. The strands are those between the teeth.
+                layout.tension_force = described.tension_force;
+                layout.center_distance = described.center_distance;
+                layout.belt_pitches = described.belt_pitches;
+                layout.belt_wrap = described.belt_wrap;
                 layout.warn(drive);
                 return Ok(Some((start, layout)));
             }

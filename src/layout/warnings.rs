@@ -9,6 +9,8 @@ use crate::geometry::path::wrap;
 const LEAST_WRAP: f64 = 120.0 - 1e-9;
 /// Difference of the chain speeds of two sprockets, over the larger one, above which a warning is given.
 const SPEED_MISMATCH: f64 = 0.01;
+/// Least chain speed to which a difference is compared, over the largest one: at a change of direction both speeds are small.
+const LEAST_COMPARED: f64 = 0.1;
 /// Rows and ends of ramps at which prescribed speeds are compared.
 const MOST_KNOTS: usize = 10_000;
 
@@ -219,37 +221,54 @@ impl Layout {
         self.warnings = warnings;
     }
 
-    /// Return a warning where the prescribed speeds of two sprockets agree at the start, and not at a later row or end of a ramp.
-    fn later_mismatch(&self, drive: &Drive, pair: [usize; 2]) -> Option<String> {
-        let [SprocketMotion::PrescribedSpeed(one), SprocketMotion::PrescribedSpeed(two)] =
-            pair.map(|i| &drive.sprockets[i].motion)
-        else {
-            return None;
+    /// Return a warning where the prescribed speeds of two sprockets agree at the start, and not later. They are compared at rows and ends
+    /// of ramps, and three times between. Of sines only the start is compared.
+    fn later_mismatch(&self, drive: &Drive, [i, k]: [usize; 2]) -> Option<String> {
+        let speed = |i: usize| match &drive.sprockets[i].motion {
+            SprocketMotion::PrescribedSpeed(speed) => Some(speed),
+            _ => None,
         };
-        let scale = pair.map(|i| self.sides[i].sign() * f64::from(drive.sprockets[i].teeth));
-        let largest = (scale[0] * one.largest())
-            .abs()
-            .max((scale[1] * two.largest()).abs());
+        let (one, two) = (speed(i)?, speed(k)?);
+        let scale = [i, k].map(|i| self.sides[i].sign() * f64::from(drive.sprockets[i].teeth));
+        let largest =
+            [(scale[0], one), (scale[1], two)].map(|(scale, of)| scale.abs() * of.largest());
+        let least = LEAST_COMPARED * largest[0].max(largest[1]);
         let differ = |t: f64| {
-            let difference = scale[0] * one.value(t) - scale[1] * two.value(t);
-            difference.abs() > SPEED_MISMATCH * largest
+            let speeds = [scale[0] * one.value(t), scale[1] * two.value(t)];
+            let larger = speeds[0].abs().max(speeds[1].abs()).max(least);
+            (speeds[0] - speeds[1]).abs() > SPEED_MISMATCH * larger
         };
         if differ(0.0) {
             return None;
         }
-        let next = |t: &f64| Some(one.next_knot(*t).min(two.next_knot(*t)));
-        let knots = std::iter::successors(next(&0.0), next);
-        let at = (knots.take(MOST_KNOTS).take_while(|t| t.is_finite())).find(|&t| differ(t))?;
+        let next =
+            |t: &f64| Some(one.next_knot(*t).min(two.next_knot(*t))).filter(|t| t.is_finite());
+        let knots = std::iter::successors(next(&0.0), next).take(MOST_KNOTS);
+        let times = knots.scan(0.0, |before, knot| {
+            let since = std::mem::replace(before, knot);
+            Some([0.25, 0.5, 0.75, 1.0].map(|part| since + part * (knot - since)))
+        });
+        let at = times.flatten().find(|&t| differ(t))?;
         Some(format!(
-            "sprockets {} and {} have {:.4} and {:.4} rad/s at {at:.4} s, which move the chain at different speeds",
-            pair[0] + 1,
-            pair[1] + 1,
+            "sprockets {} and {} have {:.4} and {:.4} rad/s at {} s, which move the chain at different speeds",
+            i + 1,
+            k + 1,
             one.value(at),
-            two.value(at)
+            two.value(at),
+            (1e9 * at).round() / 1e9
         ))
     }
 
     fn warn_of_speeds(&self, drive: &Drive, warnings: &mut Vec<String>) {
+        let mut prescribed = (0..drive.sprockets.len()).filter(|&i| {
+            matches!(
+                drive.sprockets[i].motion,
+                SprocketMotion::PrescribedSpeed(_)
+            )
+        });
+        if let Some(first) = prescribed.next() {
+            warnings.extend(prescribed.filter_map(|i| self.later_mismatch(drive, [first, i])));
+        }
         // Given speeds must agree; the others follow.
         let given: Vec<usize> = (0..drive.sprockets.len())
             .filter(|&i| given_speed(drive, i).is_some())
@@ -258,9 +277,6 @@ impl Layout {
             |i: usize| self.sides[i].sign() * self.speeds[i] * f64::from(drive.sprockets[i].teeth);
         if let [first, others @ ..] = given.as_slice() {
             for other in others {
-                if let Some(told) = self.later_mismatch(drive, [*first, *other]) {
-                    warnings.push(told);
-                }
                 let (one, two) = (chain_speed(*first), chain_speed(*other));
                 if (one - two).abs() > SPEED_MISMATCH * one.abs().max(two.abs()) {
                     warnings.push(format!(

@@ -180,7 +180,15 @@ pub(super) fn input(quantity: &str, value: &Bound<'_, PyAny>) -> PyResult<(Input
     let signal = match quantity {
         InputQuantity::Speed => describe::signal(value, "speed", "rad/s")?,
         InputQuantity::Torque => describe::signal(value, "torque", "N m")?,
-        InputQuantity::TensionerForce => Signal::Constant(describe::finite(value, "force", "N")?),
+        InputQuantity::TensionerForce => match describe::finite(value, "force", "N") {
+            Ok(force) => Signal::Constant(force),
+            Err(_) if describe::signal(value, "force", "N").is_ok() => {
+                let expected =
+                    "must be a number in N; set it again at each time at which it changes";
+                return Err(describe::refuse("force", value, expected));
+            }
+            Err(error) => return Err(error),
+        },
     };
     Ok((quantity, signal))
 }

@@ -196,13 +196,14 @@ class Belt:
         way = there - here
         distance = np.hypot(way[..., 0], way[..., 1])
         least = np.abs(radius - np.roll(radius, -1))
-        if (distance < least).any():
-            _, k = np.argwhere(distance < least)[0]
+        crossed = (distance < least) | (distance == 0.0)
+        if crossed.any():
+            _, k = np.argwhere(crossed)[0]
             pair = f"{order[k] + 1} and {order[(k + 1) % len(order)] + 1}"
             msg = (
                 f"sprockets {pair}: their centres are {distance[:, k].min():.4g} m apart in these "
-                f"rows; a chain line needs {least[k]:.4g} m; take a part of the time before that, "
-                "or limit the tensioner by its travel"
+                f"rows, too near for the chain's line; take a part of the time before that, or "
+                "limit the tensioner by its travel"
             )
             raise InvalidInput(msg)
         normal = np.arctan2(way[..., 1], way[..., 0]) - np.arccos(

@@ -162,8 +162,8 @@ def _ends(
 def _engaged_before(result: Result) -> list[int]:
     """Return the sprocket, from 1, in whose wrap each bushing is at the first row; 0 for none.
 
-    Where rows begin after the start of the run, or of one from given positions, such a bushing is
-    in the middle of an episode, also if it is in flight. At other starts there is none.
+    Such a bushing is in the middle of an episode, also if it is in flight. At the start of a run
+    from other than given positions there is none.
     """
     circuit = Circuit.during(result, slice(0, 1))
     engaged = np.zeros(circuit.links, int)

@@ -70,8 +70,9 @@ def plot(
     with clear_errors():
         import rustchain.plot  # first, as it names the extra  # noqa: F401
 
+        form = form.lower()
         if form not in _FORMS:
-            misuse(f"--format = {form}: cannot be drawn; take png, pdf or svg")
+            misuse(f"--format = {form}: expected png, pdf or svg")
         result = rc.load_result(file)
         figures = _figures(result, hinges)
         for name in names or ():

@@ -78,7 +78,7 @@ def animate(
             options = camera, slow_motion, fps, view, width
             animation.check_options(simulation.body_names, *options)
             animation.check_file(path, fps)
-            _check_start(start, seconds)
+            _check_part(start, end, seconds)
 
         result = result_of(source, duration, settings, output, check)
         if "bodies" not in result.groups:
@@ -134,7 +134,7 @@ def report(
             from rustchain.report.page import check_options
 
             check_options(path, breaking_load, simulation.scene.kind)
-            _check_start(start, seconds)
+            _check_part(start, end, seconds)
 
         result = result_of(source, duration, settings, output, check)
         result.report(path, start=start, end=end, breaking_load=breaking_load)
@@ -143,10 +143,12 @@ def report(
     _leave(source, result)
 
 
-def _check_start(start: float | None, seconds: float) -> None:
-    """Refuse a part that begins after the run."""
+def _check_part(start: float | None, end: float | None, seconds: float) -> None:
+    """Refuse a part that has no rows of a run."""
     if start is not None and start > seconds:
         fail(f"--start = {start:g}: the run ends at {seconds:g} s; expected a time before that")
+    if end is not None and end < (start or 0.0):
+        fail(f"--end = {end:g}: is before the part; expected a time after {start or 0.0:g} s")
 
 
 def _is_result(source: str) -> bool:

@@ -22,9 +22,9 @@ class AnchoredEnd(Description):
     position : (float, float)
         Position of the pin at the start [m].
     velocity : (x, y) or rows of (time, x, y)
-        Velocity of the pin [m/s]: two numbers or signals (`Table`, `Spline`, `Sines`,
-        `SmoothStep`), or rows. Rows are linear between each other and constant outside. The
-        position is the integral.
+        Velocity of the pin [m/s]: two numbers, rows of (time, value) or signals (`Table`, `Spline`,
+        `Sines`, `SmoothStep`); or rows of both. Rows are linear between each other and constant
+        outside. The position is the integral.
     links : int, optional
         Links between this end and the first sprocket. By default the smallest number that reaches
         it, or the remaining links if the other end has a number.
@@ -36,7 +36,7 @@ class AnchoredEnd(Description):
     """
 
     position: Point
-    velocity: Sequence[float | SmoothStep | Table | Spline | Sines] | Rows = (0.0, 0.0)
+    velocity: Sequence[float | Rows | SmoothStep | Table | Spline | Sines] | Rows = (0.0, 0.0)
     links: int | None = None
 
     def __post_init__(self) -> None:

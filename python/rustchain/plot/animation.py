@@ -62,7 +62,7 @@ def check_options(
         )
         raise InvalidInput(msg)
     for name, value in (("slow_motion", slow_motion), ("fps", fps), ("view", view)):
-        if value is not None and not value > 0.0:
+        if value is not None and not 0.0 < value < math.inf:
             msg = f"animate({name}): got {shown(value)}; expected a positive number"
             raise InvalidInput(msg)
     if not 100 <= width <= 4000:
@@ -77,7 +77,7 @@ def check_file(path: Path, fps: float) -> None:
         msg = f"path = {str(path)!r}: ends in {form!r}; expected .gif, .mp4 or .html"
         raise InvalidInput(msg)
     if form == ".gif" and fps < _LEAST_OF_GIF:
-        msg = f"animate(fps): got {shown(fps)}; a GIF has at least {_LEAST_OF_GIF:.2g} a second"
+        msg = f"animate(fps): got {shown(fps)}; a GIF has at least {_LEAST_OF_GIF:.3g} a second"
         raise InvalidInput(msg)
     if form == ".mp4" and shutil.which("ffmpeg") is None:
         msg = (

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from rustchain.arguments import shown
 from rustchain.description.ends import bushings_of, hinges_of
-from rustchain.errors import InvalidInput
+from rustchain.errors import InvalidInput, NoSuchPart
 from rustchain.names import suggest
 from rustchain.parts import place_of, position_of
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
@@ -151,7 +151,7 @@ class MotionFigures(Figures):
                 msg = f"{dim}: {shown(name)} has no such parts; {suggest(dim, known)}"
                 raise InvalidInput(msg)
         there = {"hinge": hinges_of, "bushing": bushings_of}  # those of drives alone
-        for dim in (each for each in there if each in found.dims and each not in of):
+        for dim in (each for each in there if each in found.dims):
             found = found.isel({dim: there[dim](self.result.drive)})
         chosen = found.isel({dim: _places(found, dim, parts) for dim, parts in of.items()})
         others = [dim for dim in chosen.dims if dim != "frequency"]
@@ -165,7 +165,12 @@ class MotionFigures(Figures):
                     ", ".join(map(str, np.atleast_1d(lines["part"].values[k]))) if others else ""
                 )
                 axes.plot(lines["frequency"], lines.isel(part=k), color=CYCLE[k], label=label)
-        axes.set(yscale="log", xlabel="frequency [Hz]", xlim=(0.0, None))
+        axes.set(xlabel="frequency [Hz]", xlim=(0.0, None))
+        if bool((lines > 0.0).any()):
+            axes.set_yscale("log")
+        else:
+            axes.set_yticks([])
+            note(axes, "nothing varies in this part")
         axes.set_ylabel(f"{name.replace('_', ' ')} [{found.attrs['units'].replace('^2', '²')}]")
         if others:
             legend_above(axes)
@@ -214,15 +219,27 @@ class MotionFigures(Figures):
 
 def _places(found: xr.DataArray, dim: str, parts: object) -> int | list[int]:
     """Return the places along a dimension of a part, or of several, by number or name."""
-    if isinstance(parts, list | tuple | np.ndarray) and len(parts):
-        return [int(np.ravel(_places(found, dim, part))[0]) for part in parts]
+    given = parts.tolist() if isinstance(parts, np.ndarray) else parts
+    if isinstance(given, list | tuple) and given:
+        return [_place(found, dim, part) for part in given]
+    return _place(found, dim, given)
+
+
+def _place(found: xr.DataArray, dim: str, part: object) -> int:
+    """Return the place along a dimension of a part by number or name."""
     known = found[dim].to_numpy().tolist()
-    if isinstance(parts, int | np.integer) and not isinstance(parts, bool):
-        return position_of(dim, int(parts), len(known))
-    if not isinstance(known[0], str):
-        msg = f"{dim}: got {shown(parts)}; expected a number from 1 to {len(known)}"
+    if not isinstance(part, int | np.integer) or isinstance(part, bool):
+        if isinstance(known[0], str):
+            return place_of(dim, part, known)
+        msg = f"{dim}: got {shown(part)}; expected a number from {known[0]} to {known[-1]}"
         raise InvalidInput(msg)
-    return place_of(dim, parts, known)
+    if isinstance(known[0], str):
+        return position_of(dim, int(part), len(known))
+    if part not in known:
+        position_of(dim, int(part), known[-1])
+        raise NoSuchPart(f"{dim} {part}: an open chain has none there")
+    place: int = known.index(part)
+    return place
 
 
 def radius_of(found: xr.Dataset) -> float:

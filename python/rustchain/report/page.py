@@ -66,7 +66,7 @@ def check_options(path: Path, breaking_load: float | None, kind: str) -> None:
     if kind == "mechanism":
         msg = "report(breaking_load): a mechanism has no chain; leave it out"
         raise InvalidInput(msg)
-    if not breaking_load > 0.0:
+    if not 0.0 < breaking_load < np.inf:
         msg = f"report(breaking_load): got {breaking_load:g}; expected a positive number in N"
         raise InvalidInput(msg)
 

@@ -49,7 +49,7 @@ fn end_velocity(value: &Bound<'_, PyAny>, name: &str) -> PyResult<[Signal; 2]> {
     let is_row = |item: &Bound<'_, PyAny>| item.extract::<[f64; 3]>().is_ok();
     // Two rows (time, x, y) are no functions of time, which have two numbers in each of their rows.
     if let Ok([x, y]) = given.extract::<[Bound<'_, PyAny>; 2]>()
-        && !(is_row(&x) && is_row(&y))
+        && !(is_row(&x) || is_row(&y))
     {
         return Ok([signal(&x, name, "m/s")?, signal(&y, name, "m/s")?]);
     }

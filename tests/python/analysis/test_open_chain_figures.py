@@ -98,3 +98,15 @@ def test_a_stop_at_a_hinge_that_an_open_chain_does_not_have_is_refused():
     drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(5.0)), links=10)
     with pytest.raises(rc.NoSuchPart, match="must be a hinge that this open chain has"):
         rc.Simulation(drive).run(1e-3, stop=[rc.HingeForceAbove(1.0, hinge=11)], progress=False)
+
+
+def test_a_spectrum_of_an_open_chain_is_of_what_it_has():
+    drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()), links=10)
+    result = rc.Simulation(drive).run(0.02, progress=False)
+    with pytest.raises(rc.NoSuchPart, match="hinge 11: an open chain has none there"):
+        result.plot.spectrum("hinge_force", hinge=11)
+    still = replace(
+        result, arrays={**result.arrays, "hinge_force": 0.0 * result.array("hinge_force")}
+    )
+    axes = still.plot.spectrum("hinge_force", hinge=1).axes[0]
+    assert "nothing varies" in axes.texts[0].get_text()

@@ -119,7 +119,7 @@ def test_a_place_that_cannot_be_written_is_told_before_anything_runs(tmp_path, m
         assert done.exit_code == 1
         assert message in done.output
     done = rustchain("plot", taken, "--format", "doc")
-    assert "--format = doc: cannot be drawn; take png, pdf or svg" in done.output
+    assert "--format = doc: expected png, pdf or svg" in done.output
     assert done.exit_code == 2
 
 

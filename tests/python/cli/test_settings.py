@@ -357,7 +357,7 @@ def test_check_tells_each_warning_once_those_of_laws_too():
         (("report", "paper", "--start", 3), "--start = 3: the run ends at 2 s"),
         (("animate", "paper", "-o", "film.avi"), "expected .gif, .mp4 or .html"),
         (("animate", "paper", "--fps", -1), "animate(fps): got -1.0"),
-        (("animate", "paper", "--fps", 0.001), "a GIF has at least 0.0015 a second"),
+        (("animate", "paper", "--fps", 0.001), "a GIF has at least 0.00153 a second"),
         (("animate", "paper", "--camera", "sproket_1"), "did you mean 'sprocket_1'?"),
         (("animate", "paper", "--start", 3), "--start = 3: the run ends at 2 s"),
     ],

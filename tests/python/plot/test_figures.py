@@ -300,6 +300,8 @@ def test_numbers_of_hinges_of_chains_of_any_length_are_inside_the_axes(links, gi
         ("hinge_force", {"hinge": 0}, "hinge 0: hinges are numbered 1 to 38; the nearest is 1"),
         ("hinge_force", {"hinge": [6, 99]}, "hinge 99: hinges are numbered 1 to 38"),
         ("hinge_force", {"hinge": 6.5}, "hinge: got 6.5; expected a number from 1 to 38"),
+        ("hinge_force", {"hinge": [[1, 2]]}, r"hinge: got \[1, 2\]; expected a number"),
+        ("hinge_force", {"hinge": np.array(99)}, "hinge 99: hinges are numbered 1 to 38"),
         ("hinge_force", {"hinge": []}, r"hinge: got \[\]; expected a number from 1 to 38"),
         ("hinge_force", {"frequency": 3}, "frequency: 'hinge_force' has no such parts"),
     ],
