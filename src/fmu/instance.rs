@@ -53,6 +53,8 @@ pub struct Instance {
     phase: Phase,
     /// Time of the master at the time zero of the simulation \[s\].
     offset: f64,
+    /// Time of the master past which there are no steps \[s\].
+    stop: Option<f64>,
     inputs: Vec<f64>,
     /// Inputs that were set since the last step.
     set: Vec<bool>,
@@ -70,6 +72,7 @@ pub struct InstanceState {
     inputs: Vec<f64>,
     set: Vec<bool>,
     outputs: Vec<f64>,
+    stop: Option<f64>,
 }
 
 impl InstanceState {
@@ -123,6 +126,7 @@ impl Instance {
             simulation,
             phase: Phase::Instantiated,
             offset: 0.0,
+            stop: None,
             set: vec![false; inputs.len()],
             inputs,
             outputs: Vec::new(),
@@ -184,14 +188,22 @@ impl Instance {
         Ok(())
     }
 
-    /// Set the time of the master at the start \[s\], before the initialization.
+    /// Set the time of the master at the start, and the one past which it makes no step, if there is one \[s\], before the initialization.
     ///
     /// # Errors
-    /// If the time is not finite, or the initialization has begun.
-    pub fn set_start_time(&mut self, time: f64) -> Result<()> {
+    /// If a time is not finite, the stop lies before the start, or the initialization has begun.
+    pub fn set_times(&mut self, start: f64, stop: Option<f64>) -> Result<()> {
         self.expect(&[Phase::Instantiated], "set the start time")?;
-        check::finite("start time", time, "s")?;
-        self.offset = time - self.simulation.time();
+        check::finite("start time", start, "s")?;
+        if let Some(stop) = stop {
+            check::finite("stop time", stop, "s")?;
+            if stop < start {
+                let expected = format!("must not lie before the start time, {start} s");
+                return Err(Error::invalid("stop time", stop, expected));
+            }
+        }
+        self.offset = start - self.simulation.time();
+        self.stop = stop;
         Ok(())
     }
 
@@ -218,21 +230,28 @@ impl Instance {
     /// Advance from the communication point `time` by `size` \[s\], with the inputs that were set.
     ///
     /// # Errors
-    /// If the instance is not in step mode or at another time, `size` is not positive, or the integrator cannot continue; in the last
-    /// case the instance is in error until it is reset or another state is set.
+    /// If the instance is not in step mode or at another time, `size` is not positive, the step ends past the stop time, or the integrator
+    /// cannot continue; in the last case the instance is in error until it is reset or another state is set.
     pub fn step(&mut self, time: f64, size: f64) -> Result<()> {
         self.expect(&[Phase::Step], "make a step")?;
         check::positive("communication step size", size, "s")?;
         check::finite("communication point", time, "s")?;
         let own = self.time();
-        let rounding = ROUNDINGS_OF_TIME * f64::EPSILON * own.abs();
-        if (time - own).abs() > (TIME_MISMATCH * size + rounding).min(0.5 * size) {
+        if (time - own).abs() > mismatch(size, own) {
             let expected =
                 format!("the instance is at {own} s: continue from there, or set a state");
             return Err(Error::invalid("communication point", time, expected));
         }
+        // Both standards: a computation past the stop time that the master defined is an error.
+        let end = time + size;
+        if let Some(stop) = self.stop.filter(|&stop| end - stop > mismatch(size, stop)) {
+            let expected = format!(
+                "is past the stop time, {stop} s: take a smaller step from {own} s, or reset the instance and give a later stop time"
+            );
+            return Err(Error::invalid("end of the step", end, expected));
+        }
         let stepped = self.apply_inputs().and_then(|()| {
-            let target = time + size - self.offset;
+            let target = end - self.offset;
             check::finite("end of the step", target, "s")?;
             self.advance_to(target)
         });
@@ -275,6 +294,7 @@ impl Instance {
             inputs: self.inputs.clone(),
             set: self.set.clone(),
             outputs: self.outputs.clone(),
+            stop: self.stop,
         })
     }
 
@@ -294,6 +314,7 @@ impl Instance {
         self.inputs.clone_from(&state.inputs);
         self.set.clone_from(&state.set);
         self.outputs.clone_from(&state.outputs);
+        self.stop = state.stop;
         Ok(())
     }
 
@@ -336,4 +357,10 @@ impl Instance {
             self.phase.name()
         ))
     }
+}
+
+/// Return the difference of two times near `time` that counts as none beside a step of `size` \[s\].
+fn mismatch(size: f64, time: f64) -> f64 {
+    let rounding = ROUNDINGS_OF_TIME * f64::EPSILON * time.abs();
+    (TIME_MISMATCH * size + rounding).min(0.5 * size)
 }

@@ -99,3 +99,43 @@ fn inputs_and_outputs_that_do_not_exist_are_refused() {
     unknown.outputs[1].element = Some(2);
     assert!(refused(unknown).contains("sprocket_angle[2]"));
 }
+
+#[test]
+fn no_step_ends_past_the_stop_time() {
+    let fresh = || Instance::new(contents(paper_drive(), &[SPEED])).unwrap();
+    let started = |start, stop| {
+        let mut instance = fresh();
+        instance.set_times(start, stop).unwrap();
+        instance.enter_initialization().unwrap();
+        instance.exit_initialization().unwrap();
+        instance
+    };
+    let mut instance = started(5.0, Some(5.002));
+    instance.step(5.0, 1e-3).unwrap();
+    let state = instance.state().unwrap();
+    let past = instance.step(5.001, 1.1e-3).unwrap_err().to_string();
+    assert!(past.contains("past the stop time, 5.002 s"), "{past}");
+    // The refused step changes nothing. Master and instance may round the stop time to different sides.
+    assert_eq!(instance.state().unwrap(), state);
+    instance.step(5.001, 1e-3 * (1.0 + 5e-4)).unwrap();
+    let past = instance.step(5.002, 1e-3).unwrap_err().to_string();
+    assert!(past.contains("end of the step"), "{past}");
+    // The stop time is a part of the state, and a reset removes it.
+    let mut other = started(0.0, None);
+    other.set_state(&state).unwrap();
+    other.step(5.001, 2e-3).unwrap_err();
+    other.step(5.001, 1e-3).unwrap();
+    instance.reset().unwrap();
+    instance.enter_initialization().unwrap();
+    instance.exit_initialization().unwrap();
+    instance.step(0.0, 6e-3).unwrap();
+
+    let refused = |start, stop| {
+        let error = fresh().set_times(start, Some(stop)).unwrap_err();
+        error.to_string()
+    };
+    assert!(refused(1.0, 0.5).contains("stop time = 0.5"));
+    assert!(refused(0.0, f64::INFINITY).contains("stop time"));
+    assert!(refused(0.0, f64::NAN).contains("stop time"));
+    fresh().set_times(1.0, Some(1.0)).unwrap();
+}

@@ -101,11 +101,12 @@ unsafe extern "C" fn fmi2SetupExperiment(
     _tolerance_defined: c_int,
     _tolerance: f64,
     start_time: f64,
-    _stop_time_defined: c_int,
-    _stop_time: f64,
+    stop_time_defined: c_int,
+    stop_time: f64,
 ) -> Status {
+    let stop = (stop_time_defined != 0).then_some(stop_time);
     // SAFETY: the master passes a handle of this library.
-    unsafe { call(handle, |instance| instance.set_start_time(start_time)) }
+    unsafe { call(handle, |instance| instance.set_times(start_time, stop)) }
 }
 
 called! {

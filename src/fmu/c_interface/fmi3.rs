@@ -102,13 +102,14 @@ unsafe extern "C" fn fmi3EnterInitializationMode(
     _tolerance_defined: bool,
     _tolerance: f64,
     start_time: f64,
-    _stop_time_defined: bool,
-    _stop_time: f64,
+    stop_time_defined: bool,
+    stop_time: f64,
 ) -> Status {
+    let stop = stop_time_defined.then_some(stop_time);
     // SAFETY: the master passes a handle of this library.
     unsafe {
         call(handle, |instance| {
-            instance.set_start_time(start_time)?;
+            instance.set_times(start_time, stop)?;
             instance.enter_initialization()
         })
     }

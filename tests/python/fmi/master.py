@@ -41,12 +41,13 @@ class Master:
     def _keep(self, message):
         self.messages.append(message.decode())
 
-    def initialize(self, start_time=0.0):
+    def initialize(self, start_time=0.0, stop_time=None):
+        times = {"startTime": start_time, "stopTime": stop_time}
         if self.version == "2.0":
-            self.slave.setupExperiment(startTime=start_time)
+            self.slave.setupExperiment(**times)
             self.slave.enterInitializationMode()
         else:
-            self.slave.enterInitializationMode(startTime=start_time)
+            self.slave.enterInitializationMode(**times)
         self.slave.exitInitializationMode()
         return self
 

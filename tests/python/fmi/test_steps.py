@@ -217,6 +217,23 @@ def test_another_start_time_shifts_the_time_alone(fmu):
         np.testing.assert_allclose(late.outputs()[0], one.outputs()[0], rtol=1e-12)
 
 
+def test_no_step_ends_past_the_stop_time(fmu):
+    start, size, count = 0.3, 1e-4, 20
+    with opened(fmu) as master:
+        refused(master, "start time, 1 s", lambda: master.initialize(1.0, stop_time=0.5))
+        master.initialize(start, stop_time=start + count * size)
+        time = start
+        for _ in range(count):  # the sum of the steps differs from the stop time by roundings
+            master.step(time, size)
+            time += size
+        before = master.outputs()
+        message = f"past the stop time, {start + count * size} s"
+        refused(master, message, lambda: master.step(time, size))
+        assert (master.outputs() == before).all()
+        master.slave.reset()
+        master.initialize().step(0.0, 1.0e-3)  # the stop time does not outlive a reset
+
+
 def test_calls_in_the_wrong_order_are_refused_with_a_message(fmu):
     with opened(fmu) as master:
         refused(master, "before its initialization", lambda: master.step(0.0, 1e-3))
