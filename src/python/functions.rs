@@ -174,6 +174,9 @@ pub(super) fn film_forces<'py>(
     check_lengths([(pin, "radii[0]"), clearance, (length, "length")])?;
     let film = film.between(pin, bore - pin, length);
     let velocities = velocity.as_array();
+    for &distance in eccentricity.as_slice()? {
+        check::not_negative("eccentricity", distance, "m")?;
+    }
     let rows = (eccentricity.as_slice()?.iter()).zip(velocities.rows());
     let forces = rows.map(|(&eccentricity, velocity)| {
         film.at(eccentricity, [velocity[0], velocity[1]])

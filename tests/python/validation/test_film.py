@@ -191,6 +191,10 @@ def test_a_sweep_has_the_viscosity_as_a_parameter():
             "film.*whose hinges have no contact",
         ),
         (lambda: rc.LubricantFilm(0.1).force(1e-6, (0.0, 0.0), (2.0e-3, 2.0e-3), 0.01), "radii"),
+        (
+            lambda: rc.LubricantFilm(0.1).force(-1e-5, (1e-3, 0.0), RADII, LENGTH),
+            "eccentricity = -0.00001",
+        ),
     ],
 )
 def test_what_means_nothing_is_refused(make, message):

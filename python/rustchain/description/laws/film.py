@@ -60,7 +60,7 @@ class LubricantFilm(Description):
         Parameters
         ----------
         eccentricity : array_like
-            Distance of the pin's centre from the bore's [m], any shape.
+            Distance of the pin's centre from the bore's [m], zero or positive, any shape.
         velocity : array_like, (..., 2)
             Of the pin's centre, along the eccentricity and left of it, in a frame that turns with
             the mean of both angular velocities [m/s]. For a centre at rest, the second component is
@@ -77,7 +77,7 @@ class LubricantFilm(Description):
         Raises
         ------
         InvalidInput
-            A radius or the length is not allowed.
+            An eccentricity, a radius or the length is not allowed.
 
         Examples
         --------

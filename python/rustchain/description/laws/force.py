@@ -83,6 +83,9 @@ class ForceLaw(Description):
     ) -> npt.NDArray[np.float64]:
         """Return the elastic force [N] of two cylinders at a penetration.
 
+        Past the end of a law's range it is the force with which a run continues: that of the
+        secant's stiffness (see the page on force laws). No warning is given.
+
         Parameters
         ----------
         penetration : array_like
