@@ -18,6 +18,12 @@ use crate::math::{Real, Truth};
 /// Lower bound on |s|/v in the power (|s|/v)^α: the logarithm of zero is not finite.
 const LEAST_PART: f64 = 1e-300;
 
+/// Largest break-away deflection without a warning \[m\]; larger ones exceed the usual clearances of a drive.
+const SOFTEST: f64 = 1e-4;
+
+/// Smallest break-away deflection without a warning \[m\]; steps at usual accuracies do not resolve stiffer bristles.
+const STIFFEST: f64 = 1e-8;
+
 /// Parameters of the bristles of one kind of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LuGre {
@@ -93,6 +99,28 @@ impl LuGre {
     #[must_use]
     pub fn breakaway(&self) -> f64 {
         self.static_coefficient / self.stiffness
+    }
+
+    /// Return a note on a break-away deflection outside of `STIFFEST` to `SOFTEST`, if it is.
+    #[must_use]
+    pub fn breakaway_note(&self) -> Option<String> {
+        let found = self.breakaway();
+        let what = format!(
+            "bristles break away at a deflection of {found:.1e} m, static_coefficient/stiffness"
+        );
+        if found > SOFTEST {
+            Some(format!(
+                "{what}, more than {SOFTEST:.0e} m: contacts oscillate where they should stick; raise stiffness to {:.1e}/m or more",
+                self.static_coefficient / SOFTEST
+            ))
+        } else if found < STIFFEST {
+            Some(format!(
+                "{what}, less than {STIFFEST:.0e} m: they shorten the steps; reduce stiffness to {:.1e}/m or less",
+                self.static_coefficient / STIFFEST
+            ))
+        } else {
+            None
+        }
     }
 
     /// Return g, the coefficient in steady slip without its viscous part.
@@ -441,5 +469,24 @@ mod tests {
             let [at_rest, behind] = [0.0, 1e-300].map(|slip| law.solve(predicted, gamma, slip).1);
             assert!(at_rest == behind || law.stribeck_exponent < 1.0);
         }
+    }
+
+    #[test]
+    fn only_absurd_bristles_are_doubted() {
+        let note = |stiffness| {
+            LuGre {
+                static_coefficient: 0.1,
+                kinetic_coefficient: 0.1,
+                stiffness,
+                damping: 0.0,
+                viscous_coefficient: 0.0,
+                stribeck_speed: 1e-3,
+                stribeck_exponent: 2.0,
+            }
+            .breakaway_note()
+        };
+        assert!(note(1e5).is_none());
+        assert!(note(1e2).is_some_and(|note| note.contains("or more")));
+        assert!(note(1e9).is_some_and(|note| note.contains("or less")));
     }
 }

@@ -247,6 +247,15 @@ pub fn range_note(law: Elastic, surfaces: &SurfacePair) -> Option<String> {
     law.definition().and_then(|law| (law.range_note)(surfaces))
 }
 
+/// Return the message on a contact beyond the end of its law: penetration `depth` and end of the law `end` \[m\].
+pub(crate) fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
+    let law = law.name();
+    format!(
+        "{law} law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
+         the force continues with the secant stiffness"
+    )
+}
+
 /// Return the elastic force \[N\] of one pair at many penetrations \[m\].
 #[must_use]
 pub fn elastic_forces(law: Elastic, surfaces: &SurfacePair, penetrations: &[f64]) -> Vec<f64> {

@@ -28,6 +28,7 @@ pub use bristles::{Bent, LuGre};
 pub(crate) use conformal::Conformal;
 pub(crate) use contact_lane::{ContactLane, RestitutionDamping};
 pub use dissipation::{Damping, damping_factor, effective_restitution};
+pub(crate) use elastic::past_range;
 pub(crate) use elastic::{Definition, Form};
 pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};
 pub(crate) use film::FilmLaw;

@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::constraints::equation::{Equation, Quantity};
 use super::constraints::pin::Pin;
 use super::contact::compiled_contact::CompiledContact;
+use super::contact::law_ranges::{EndingLaw, ending_laws, range_notes};
 use super::contact::step_bound::ContactBodies;
 use super::description::body::{Body, End, Frame, Marker};
 use super::description::force_element::{Force, ForceKind};
@@ -30,6 +31,10 @@ pub struct MechanismModel {
     pub(crate) contacts: Vec<CompiledContact>,
     pub(crate) contact_bodies: ContactBodies,
     pub(crate) contact_names: Vec<String>,
+    /// Laws whose range ends at some penetration.
+    pub(crate) ending_laws: Vec<EndingLaw>,
+    /// Warnings on laws and bristles outside their range at any penetration.
+    pub(crate) range_notes: Vec<String>,
     /// Sides of all contacts that may be in contact at once, in order: number of the contact and of the side.
     pub(crate) sides: Vec<(usize, usize)>,
     /// Range of the sides of each contact.
@@ -91,6 +96,8 @@ impl MechanismModel {
             numbers,
             equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
+            ending_laws: Vec::new(),
+            range_notes: Vec::new(),
             bristle_of_side: Vec::new(),
             bristles: 0,
             pins: Vec::new(),
@@ -178,6 +185,8 @@ impl MechanismModel {
             self.contacts.push(compiled);
         }
         self.contact_bodies = ContactBodies::of(&self.contacts);
+        self.ending_laws = ending_laws(&mechanism.contacts, &self.contacts);
+        self.range_notes = range_notes(&mechanism.contacts);
         Ok(())
     }
 

@@ -28,6 +28,7 @@ pub struct MechanismCheckpoint {
     starts: Vec<ContactEnd>,
     reactions: StepReactions,
     onsets: OnsetNumbers,
+    past_ends: Vec<Option<String>>,
 }
 
 impl System for MechanismDynamics {
@@ -70,6 +71,7 @@ impl System for MechanismDynamics {
             memory_at_start: &self.step.memory,
         };
         (self.contacts).find_onsets(&motion, step, &mut self.onsets);
+        self.contacts.note_ranges(&self.model);
         self.project_step_end(adams)
     }
 
@@ -173,6 +175,8 @@ impl System for MechanismDynamics {
 
     fn evaluate_report(&mut self, adams: &Adams, t: f64, _groups: MechanismGroups) {
         self.evaluate_inside(adams, t);
+        // Penetrations inside a step may exceed those at its ends.
+        self.contacts.note_ranges(&self.model);
     }
 
     fn write_row(&mut self, row: &mut Row, t: f64, groups: MechanismGroups) {
@@ -189,6 +193,7 @@ impl System for MechanismDynamics {
             starts: self.contacts.starts.clone(),
             reactions: self.corrector.reactions.clone(),
             onsets: self.onsets.numbers,
+            past_ends: self.contacts.past_ends.clone(),
         }
     }
 
@@ -199,6 +204,7 @@ impl System for MechanismDynamics {
             && shift.len() == self.shift.values.len()
             && memory.len() == self.contacts.memory.len()
             && checkpoint.starts.len() == self.contacts.starts.len()
+            && checkpoint.past_ends.len() == self.contacts.past_ends.len()
             && checkpoint
                 .reactions
                 .is_within(self.constraints.rows.len(), self.accelerations.len());
@@ -216,6 +222,7 @@ impl System for MechanismDynamics {
         dynamics.contacts.starts.clone_from(&checkpoint.starts);
         (dynamics.corrector.reactions).clone_from(&checkpoint.reactions);
         dynamics.onsets.numbers = checkpoint.onsets;
+        (dynamics.contacts.past_ends).clone_from(&checkpoint.past_ends);
         Some(dynamics)
     }
 }

@@ -285,10 +285,7 @@ impl Core {
     /// Return the warnings not issued yet: law warnings, energy warnings, tooth jumps.
     pub(super) fn take_warnings(&mut self) -> (Vec<String>, Vec<String>, Vec<String>) {
         let balance = self.simulation.balance_note().map(str::to_string);
-        let range = match &self.simulation {
-            AnySimulation::Drive(simulation) => simulation.range_notes(),
-            AnySimulation::Mechanism(_) => Vec::new(),
-        };
+        let range = self.simulation.range_notes();
         let mut new = |notes: Vec<String>| {
             let new: Vec<String> = notes
                 .into_iter()

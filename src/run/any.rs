@@ -80,6 +80,12 @@ impl AnySimulation {
         of_any!(self, simulation => simulation.balance_note())
     }
 
+    /// Return the law warnings of either kind.
+    #[must_use]
+    pub fn range_notes(&self) -> Vec<String> {
+        of_any!(self, simulation => simulation.range_notes())
+    }
+
     /// Continue the recording, as [`Simulation::record`].
     ///
     /// # Errors

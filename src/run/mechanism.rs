@@ -89,6 +89,14 @@ impl Simulation<MechanismDynamics> {
         self.statistics().onsets
     }
 
+    /// Return the law warnings: laws and bristles outside their range, and the first contact past the end of each law.
+    #[must_use]
+    pub fn range_notes(&self) -> Vec<String> {
+        let model = self.model().range_notes.iter();
+        let past_ends = self.system.contacts.past_ends.iter().flatten();
+        model.chain(past_ends).cloned().collect()
+    }
+
     /// Return the dynamics, evaluated at the present time.
     pub fn present(&mut self) -> &MechanismDynamics {
         self.system.evaluate_inside(&self.adams, self.now);

@@ -2,7 +2,7 @@
 
 use super::Dynamics;
 use crate::chain::report::OutputRequest;
-use crate::force_law::{Elastic, ElasticLaw, Regions};
+use crate::force_law::{ElasticLaw, Regions, past_range};
 use crate::geometry::Surface;
 use crate::integrator::Adams;
 
@@ -113,13 +113,4 @@ impl Dynamics {
             self.evaluated.teeth.surface(pair)
         }
     }
-}
-
-/// Return the message on a contact beyond the end of its law: penetration `depth` and end of the law `end` \[m\].
-fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
-    let law = law.name();
-    format!(
-        "{law} law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
-         the force continues with the secant stiffness"
-    )
 }

@@ -60,40 +60,15 @@ impl BristlePlaces {
     }
 }
 
-/// Largest break-away deflection without a warning \[m\]; larger ones exceed the usual clearances of a drive.
-const SOFTEST: f64 = 1e-4;
-
-/// Smallest break-away deflection without a warning \[m\]; steps at usual accuracies do not resolve stiffer bristles.
-const STIFFEST: f64 = 1e-8;
-
 /// Return the warnings for the bristles of hinges and of teeth.
 pub(super) fn bristle_warnings(
     [hinges, teeth]: [Option<LuGre>; 2],
 ) -> impl Iterator<Item = String> {
     let all = [(hinges, "hinges"), (teeth, "teeth")];
-    all.into_iter()
-        .filter_map(|(law, place)| bristle_warning(&law?, place))
-}
-
-/// Return a warning for a break-away deflection `static_coefficient/stiffness` outside of `STIFFEST` to `SOFTEST`.
-fn bristle_warning(law: &LuGre, place: &str) -> Option<String> {
-    let found = law.breakaway();
-    let what = format!(
-        "LuGre friction, {place}: bristles break away at a deflection of {found:.1e} m, static_coefficient/stiffness"
-    );
-    if found > SOFTEST {
-        Some(format!(
-            "{what}, more than {SOFTEST:.0e} m: contacts oscillate where they should stick; raise stiffness to {:.1e}/m or more",
-            law.static_coefficient / SOFTEST
-        ))
-    } else if found < STIFFEST {
-        Some(format!(
-            "{what}, less than {STIFFEST:.0e} m: they shorten the steps; reduce stiffness to {:.1e}/m or less",
-            law.static_coefficient / STIFFEST
-        ))
-    } else {
-        None
-    }
+    all.into_iter().filter_map(|(law, place)| {
+        let note = law?.breakaway_note()?;
+        Some(format!("LuGre friction, {place}: {note}"))
+    })
 }
 
 #[cfg(test)]
@@ -113,24 +88,5 @@ mod tests {
         );
         assert_eq!(places.all(), 10..22);
         assert!(BristlePlaces::default().is_empty() && !places.is_empty());
-    }
-
-    #[test]
-    fn only_absurd_bristles_are_doubted() {
-        let law = |stiffness| LuGre {
-            static_coefficient: 0.1,
-            kinetic_coefficient: 0.1,
-            stiffness,
-            damping: 0.0,
-            viscous_coefficient: 0.0,
-            stribeck_speed: 1e-3,
-            stribeck_exponent: 2.0,
-        };
-        assert!(bristle_warning(&law(1e5), "hinges").is_none());
-        assert!(bristle_warning(&law(1e2), "hinges").is_some_and(|note| note.contains("or more")));
-        assert!(
-            bristle_warning(&law(1e9), "teeth")
-                .is_some_and(|note| note.contains("teeth") && note.contains("or less"))
-        );
     }
 }

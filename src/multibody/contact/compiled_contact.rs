@@ -41,19 +41,11 @@ impl CompiledContact {
             Profile::Outline { pieces, closed } => Some(Outline::new(pieces, *closed, pair.radius)),
             _ => None,
         };
-        let prepare = |curvature| {
-            // In an arc that the circle does not fit into, it is in contact with the pieces beside the arc.
-            let sides = outline.is_some() && is_tight(curvature, pair.radius);
-            let curvature = if sides { Curvature::Flat } else { curvature };
-            pair.law.prepare(&field, pair.radius, curvature)
-        };
+        let prepare = |curvature| pair.law.prepare(&field, pair.radius, curvature);
         Ok(Self {
             a,
             b,
-            pairs: pair
-                .profile
-                .curvatures(pair.radius)
-                .into_iter()
+            pairs: (curvatures(pair).into_iter())
                 .map(prepare)
                 .collect::<Result<_>>()?,
             outline,
@@ -272,6 +264,12 @@ impl CompiledContact {
         &self.pairs[began.unwrap_or(piece)]
     }
 
+    /// Return the smallest penetration at which the law of a piece ends \[m\]; infinite without an end.
+    pub(crate) fn nearest_range_end(&self) -> f64 {
+        let ends = self.pairs.iter().map(|law| law.elastic.range_end());
+        ends.fold(f64::INFINITY, f64::min)
+    }
+
     /// Return the memory of a side without a force. It is [`Memory::BEHIND`] if the circle is behind an open outline without having
     /// come through the surface, and empty otherwise.
     pub(crate) fn apart(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Memory {
@@ -365,6 +363,19 @@ impl CompiledContact {
             in_front: false,
         }
     }
+}
+
+/// Return the curvature of each piece of the profile of a contact, as its law takes it.
+pub(super) fn curvatures(pair: &ContactPair) -> Vec<Curvature> {
+    let is_outline = matches!(pair.profile, Profile::Outline { .. });
+    let mut curvatures = pair.profile.curvatures(pair.radius);
+    // In an arc that the circle does not fit into, it is in contact with the pieces beside the arc.
+    for curvature in &mut curvatures {
+        if is_outline && is_tight(*curvature, pair.radius) {
+            *curvature = Curvature::Flat;
+        }
+    }
+    curvatures
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::bristles::ContactBristles;
 use super::impact_memory::{Memory, SideState};
+use super::law_ranges::EndingLaw;
+use crate::force_law::past_range;
 use crate::geometry::Vec2;
 use crate::multibody::description::body::Frame;
 use crate::multibody::forces::loads::BodyLoads;
@@ -43,6 +45,8 @@ pub(crate) struct ContactStates {
     /// Whether `ends` are those of the last evaluation.
     pub(super) screened: bool,
     pub(crate) bristles: ContactBristles,
+    /// Message on the first contact past the end of each law whose range ends.
+    pub(crate) past_ends: Vec<Option<String>>,
 }
 
 impl ContactStates {
@@ -58,6 +62,7 @@ impl ContactStates {
             ends: vec![ContactEnd::FAR; contacts],
             screened: false,
             bristles: ContactBristles::new(model.bristles),
+            past_ends: vec![None; model.ending_laws.len()],
         }
     }
 
@@ -94,6 +99,32 @@ impl ContactStates {
                 }
             }
         }
+    }
+
+    /// Record the first contact past the end of each law at the last evaluation, as long as the law has none.
+    pub(crate) fn note_ranges(&mut self, model: &MechanismModel) {
+        for (k, law) in model.ending_laws.iter().enumerate() {
+            if self.past_ends[k].is_none() {
+                self.past_ends[k] = self.past_end(model, law);
+            }
+        }
+    }
+
+    /// Return a message on the first contact past the end of `law`.
+    fn past_end(&self, model: &MechanismModel, law: &EndingLaw) -> Option<String> {
+        let contacts = law.contacts.iter();
+        let mut deep = contacts.filter(|&&(contact, end)| self.deepest[contact][0] > end);
+        deep.find_map(|&(number, _)| {
+            let contact = &model.contacts[number];
+            model.sides_of_contact[number].clone().find_map(|side| {
+                let state = &self.side_states[side];
+                let depth = state.contact.penetration;
+                let on_piece = contact.law_on(state.piece, self.memory[side]);
+                let end = on_piece.elastic.range_end();
+                let name = || format!("contact {:?}", model.contact_names[number]);
+                (depth > end).then(|| past_range(law.law, &name(), depth, end))
+            })
+        })
     }
 
     /// Return the memory of a side without penetration: that the circle is behind an open outline, or none.

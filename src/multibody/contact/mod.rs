@@ -9,6 +9,7 @@ pub(crate) mod event_screening;
 pub(crate) mod film;
 pub(crate) mod friction;
 pub(crate) mod impact_memory;
+pub(crate) mod law_ranges;
 pub(crate) mod onset;
 pub(crate) mod outline;
 pub(crate) mod step_bound;

@@ -1,7 +1,9 @@
 //! Normal force of one contact of a mechanism: the published laws, a linear law and the law of Hunt and Crossley.
 
 use crate::error::{Error, Result, check};
-use crate::force_law::{ContactLane, ElasticPair, ForceLaw, RestitutionDamping, SurfacePair};
+use crate::force_law::{
+    ContactLane, Elastic, ElasticPair, ForceLaw, RestitutionDamping, SurfacePair, range_note,
+};
 
 use super::outline_piece::Curvature;
 
@@ -82,6 +84,30 @@ impl ContactLaw {
             Self::Surfaces { length, .. } => Some(*length),
             Self::Linear { .. } | Self::HuntCrossley { .. } => None,
         }
+    }
+
+    /// Return the published law of the elastic force, if it is one.
+    pub(crate) fn elastic(&self) -> Option<Elastic> {
+        match self {
+            Self::Surfaces { law, .. } => Some(law.elastic),
+            Self::Linear { .. } | Self::HuntCrossley { .. } => None,
+        }
+    }
+
+    /// Return the law with the reason why it is outside its range on a surface with a `curvature` at any penetration, if it is.
+    pub(crate) fn range_note(&self, radius: f64, curvature: Curvature) -> Option<String> {
+        let Self::Surfaces {
+            law,
+            contact_modulus,
+            length,
+            ..
+        } = self
+        else {
+            return None;
+        };
+        // Surfaces that are refused have no law.
+        let pair = surfaces("", radius, curvature, *length, *contact_modulus).ok()?;
+        range_note(law.elastic, &pair)
     }
 
     /// Return whether damping can reduce the force to zero during penetration. The elastic energy is then lost without a force, which
@@ -177,7 +203,7 @@ enum DampingPart {
 /// A law with the constants of one pair of surfaces.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CompiledLaw {
-    elastic: ElasticPair,
+    pub(crate) elastic: ElasticPair,
     damping: DampingPart,
 }
 
@@ -265,7 +291,7 @@ impl CompiledLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force_law::{Elastic, tooth_surfaces};
+    use crate::force_law::tooth_surfaces;
     use crate::geometry::{Blank, Seat, ToothProfile};
     use crate::multibody::description::profile::Profile;
 

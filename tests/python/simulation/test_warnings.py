@@ -119,3 +119,59 @@ def test_a_warning_raised_as_an_error_has_the_result_of_its_run(out, tmp_path):
             simulation.run(1e-3, out=None if out is None else tmp_path / out, progress=False)
     assert caught.value.result.success
     assert len(caught.value.result.time) == 11
+
+
+def thrown_ring(law, speed=1.0):
+    """Return a ring that is thrown onto its pin; dR = 1 um, where Johnson's law ends at 0.54 um."""
+    m = rc.Mechanism(gravity=(0.0, 0.0))
+    m.add_body("ring", 50.0, 1e-2, (0.0, 0.0, 0.0), (0.0, -speed, 0.0))
+    m.add_clearance_joint(
+        "pin",
+        "ring",
+        "ground",
+        bore_radius=5.001e-3,
+        pin_radius=5e-3,
+        law=rc.SurfaceContact(law, length=1e-3),
+        bore_point=(0.0, 0.0),
+        pin_point=(0.0, 0.0),
+    )
+    return m
+
+
+def test_a_contact_of_a_mechanism_past_the_end_of_its_law_is_told_once(tmp_path):
+    simulation = rc.Simulation(thrown_ring(rc.Johnson()))
+    message = 'johnson law, contact "pin": penetration .* past the end of the law, 5.413e-7 m'
+    with pytest.warns(rc.RangeWarning, match=message) as said:
+        simulation.run(1e-4, 1e-5, progress=False)
+    assert len(said) == 1
+    simulation.run(1e-4, 1e-5, progress=False)  # says nothing: a warning is an error here
+    simulation.save_state(tmp_path / "past.npz")
+    simulation.set_state(simulation.state())
+    with pytest.warns(rc.RangeWarning) as again:
+        rc.Simulation.load_state(tmp_path / "past.npz")
+    assert [str(each.message) for each in again] == [str(each.message) for each in said]
+
+
+def test_penetrations_of_a_mechanism_within_the_range_are_silent():
+    rc.Simulation(thrown_ring(rc.Hertz())).run(1e-4, 1e-5, progress=False)
+    slow = rc.Simulation(thrown_ring(rc.Johnson(), speed=1e-3)).run(5e-3, 1e-4, progress=False)
+    assert 0.0 < slow.contact("pin").penetration.max() < 5.4e-7
+
+
+def test_laws_and_bristles_of_a_mechanism_outside_their_range_are_told_when_it_is_made():
+    enhanced = 'enhanced-cylinder law, contact "pin": its exponent .* here dR = 0.0010 mm'
+    with pytest.warns(rc.RangeWarning, match=enhanced):
+        rc.Simulation(thrown_ring(rc.EnhancedCylinder()))
+    soft = rc.Hertz(friction=rc.LuGre(0.1, 0.1, stiffness=10.0))
+    with pytest.warns(rc.RangeWarning, match='LuGre friction, contact "pin": bristles break away'):
+        rc.Simulation(thrown_ring(soft))
+
+
+def test_the_contacts_of_a_drive_as_a_mechanism_have_one_warning():
+    drive = rc.two_sprocket_drive("ANSI 80", (17, 17), links=60, speed=5.0, pretension=50.0)
+    law = rc.EnhancedCylinder()
+    with pytest.warns(rc.RangeWarning) as said:
+        rc.Simulation(drive.to_mechanism(force_law=law))
+    (warning,) = said
+    message = 'contact "bushing_1_on_sprocket_1" and 119 more: .* dR = 12.7778 mm'
+    assert re.search(message, str(warning.message))
