@@ -31,15 +31,17 @@ impl InitialConfiguration {
         }
         let hinges = self.hinges(drive);
         for (number, rail) in drive.guides.iter().enumerate() {
-            let profile = rail.for_bushings(drive.chain.contact_radius()).profile()?;
+            let outline = rail.for_bushings(drive.chain.contact_radius());
+            let profile = outline.profile()?;
             let beside = Beside {
                 chain: &drive.chain,
                 hinges: &hinges,
                 rail,
                 profile: &profile,
+                offset: outline.offset(),
             };
             let described = rail.angle();
-            check_beside_sprockets(drive, number, (beside.middle(described), described))?;
+            check_beside_sprockets(drive, number)?;
             let angle = clear_angle(rail, |angle| beside.gap(angle)).ok_or_else(|| {
                 let inside = -beside.gap(described);
                 overlap(number, rail, inside, beside.displacement(inside))
@@ -187,14 +189,18 @@ fn move_back(rail: &Rail) -> String {
     )
 }
 
-/// Check that a guide, with its middle and its angle, does not penetrate the body of a sprocket below the seats of its teeth.
-fn check_beside_sprockets(
-    drive: &Drive,
-    number: usize,
-    (middle, angle): (Vec2, f64),
-) -> Result<()> {
+/// Return the point at `offset` in the rotating frame at the bearing of a guide \[m\], at an angle of the guide.
+fn placed(rail: &Rail, offset: Vec2, angle: f64) -> Vec2 {
     let along = unit(angle);
-    let outline: Vec<Vec2> = (drive.guides[number].profile()?.outline(OUTLINE_POINTS))
+    rail.bearing() + offset.x * along + offset.y * turned_left(along)
+}
+
+/// Check that a guide as described does not penetrate the body of a sprocket below the seats of its teeth.
+fn check_beside_sprockets(drive: &Drive, number: usize) -> Result<()> {
+    let rail = &drive.guides[number];
+    let angle = rail.angle();
+    let (middle, along) = (placed(rail, rail.offset(), angle), unit(angle));
+    let outline: Vec<Vec2> = (rail.profile()?.outline(OUTLINE_POINTS))
         .into_iter()
         .map(|p| middle + p.x * along + p.y * turned_left(along))
         .collect();
@@ -238,13 +244,14 @@ struct Beside<'a> {
     hinges: &'a [Vec2],
     rail: &'a Rail,
     profile: &'a ToothProfile,
+    /// Middle of the outline for bushings in the rotating frame at the bearing \[m\].
+    offset: Vec2,
 }
 
 impl Beside<'_> {
     /// Return the centre of the guide's outline at an angle of the guide \[m\].
     fn middle(&self, angle: f64) -> Vec2 {
-        let (along, offset) = (unit(angle), self.rail.offset());
-        self.rail.bearing() + offset.x * along + offset.y * turned_left(along)
+        placed(self.rail, self.offset, angle)
     }
 
     /// Return the smallest gap to the chain at an angle of the guide \[m\].

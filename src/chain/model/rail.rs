@@ -13,7 +13,9 @@ pub(super) fn place_rail(
     angle: f64,
     mut take: impl FnMut() -> usize,
 ) -> Result<SprocketModel> {
-    let profile = rail.for_bushings(chain.contact_radius()).profile()?;
+    // The outline for bushings: clipped at its middle, it is deeper than the described one.
+    let outline = rail.for_bushings(chain.contact_radius());
+    let (profile, offset) = (outline.profile()?, outline.offset());
     let gap_directions = vec![(1.0, 0.0), (-1.0, 0.0)];
     let mut free = |torque: Option<Signal>| Rotation::Free {
         index: take(),
@@ -31,8 +33,8 @@ pub(super) fn place_rail(
     };
     Ok(SprocketModel {
         side: Side::Inside,
-        reach: profile.reach(chain.contact_radius()) + rail.offset().norm(),
-        offset: rail.offset(),
+        reach: profile.reach(chain.contact_radius()) + offset.norm(),
+        offset,
         profile,
         first_pair: 0,
         gap_directions,

@@ -111,6 +111,22 @@ def test_a_guide_that_cannot_be_is_refused_by_name(field):
         replace(rail, **REFUSED[field])
 
 
+@pytest.mark.parametrize("radius", [None, 0.5, -0.5, -0.12, -0.06])
+def test_plates_shorten_the_gap_to_a_rail_by_their_height_beyond_the_bushings(radius):
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 17), links=60, gravity=(0.0, 0.0))
+    center = (0.5 * drive.sprockets[1].center[0], 0.055)
+    gaps = [
+        replace(
+            drive,
+            guides=[rc.GuideRail(center, (0.0, -1.0), 0.1, radius=radius, plate_height=height)],
+        )
+        .check()
+        .guide_gap[0]
+        for height in (None, 0.012)
+    ]
+    assert gaps[0] - gaps[1] == pytest.approx(0.006 - drive.chain.contact_radius, abs=1e-9)
+
+
 @pytest.mark.parametrize("direction", [(-0.0, -1.0), (0.2, -1.0)])
 def test_a_rail_in_the_chain_is_refused_with_how_far(direction: tuple[float, float]):
     rail = rc.GuideRail(center=(0.136, 0.04), direction=direction, length=0.1)
