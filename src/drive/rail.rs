@@ -88,10 +88,7 @@ impl Rail {
     /// # Errors
     /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        let kind = match self.shape {
-            RailShape::Bar { .. } => "GuideRail",
-            RailShape::Wheel { .. } => "SmoothIdler",
-        };
+        let kind = self.kind();
         check::point(&format!("{kind}.center"), self.center)?;
         let along = self.direction.norm();
         if !(along.is_finite() && along > 0.0) {
@@ -202,18 +199,51 @@ impl Rail {
     /// Check the dimensions against the chain.
     ///
     /// # Errors
-    /// When the plates are lower than the bushings.
+    /// When the plates are lower than the bushings, or too high for a hollow face.
     pub(crate) fn validate_for(&self, bushing_radius: f64) -> Result<()> {
-        match self.plate_height {
-            Some(height) if height < 2.0 * bushing_radius => Err(Error::invalid(
-                "GuideRail.plate_height",
+        let Some(height) = self.plate_height else {
+            return Ok(());
+        };
+        if height < 2.0 * bushing_radius {
+            return Err(Error::invalid(
+                format!("{}.plate_height", self.kind()),
                 height,
                 format!(
-                    "must be the diameter of the bushings, {} m, or more: else they bear on the rail, not the plates",
+                    "must be the diameter of the bushings, {} m, or more: else they bear on the guide, not the plates",
                     2.0 * bushing_radius
                 ),
-            )),
-            _ => self.for_bushings(bushing_radius).profile().map(|_| ()),
+            ));
+        }
+        let enlarged = self.for_bushings(bushing_radius).profile();
+        if let RailShape::Bar {
+            length,
+            radius: Some(radius),
+            ..
+        } = self.shape
+            && radius < 0.0
+            && enlarged.is_err()
+        {
+            // Of the enlarged rail the radius is smaller by `more`, half the length larger: the limit of the described one.
+            let more = 0.5 * height - bushing_radius;
+            let limit = 0.5 * length + 2.0 * more;
+            return Err(Error::invalid(
+                "GuideRail.radius",
+                radius,
+                format!(
+                    "must, for a hollow face with plate_height = {height} m, be below {:.6} m: take {:.6} m or less, or lower plates",
+                    -limit,
+                    -2.0 * limit
+                ),
+            ));
+        }
+        enlarged.map(|_| ())
+    }
+
+    /// Return the class that describes this guide.
+    fn kind(&self) -> &'static str {
+        match self.shape {
+            RailShape::Bar { .. } => "GuideRail",
+            RailShape::Wheel { .. } => "SmoothIdler",
         }
     }
 

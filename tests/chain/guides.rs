@@ -332,6 +332,30 @@ fn plates_bear_on_a_rail_as_far_above_it_as_they_reach_round_the_hinges() {
 }
 
 #[test]
+fn plates_that_do_not_fit_a_guide_are_refused_by_its_fields() {
+    let mut drive = level(60, 2e-3);
+    drive.guides = vec![blade(&drive, Some(-0.09), 40.0)];
+    let refusal = |drive: &Drive| drive.validate().unwrap_err().to_string();
+    drive.guides[0].plate_height = Some(0.5 * drive.chain.bushing_radius);
+    let low = refusal(&drive);
+    assert!(low.starts_with("GuideRail.plate_height = "), "{low}");
+    drive.guides[0].shape = RailShape::Wheel { radius: 0.02 };
+    let low = refusal(&drive);
+    assert!(low.starts_with("SmoothIdler.plate_height = "), "{low}");
+    // Plates 8 mm above the bushings: a radius of 0.06 + 2 * 0.008 m.
+    let hollow = |radius: f64| {
+        let mut drive = level(60, 2e-3);
+        drive.guides = vec![blade(&drive, Some(radius), 40.0)];
+        drive.guides[0].plate_height = Some(2.0 * (drive.chain.bushing_radius + 0.008));
+        drive
+    };
+    let high = refusal(&hollow(-0.075));
+    assert!(high.starts_with("GuideRail.radius = -0.075: "), "{high}");
+    assert!(high.contains("below -0.076000 m"), "{high}");
+    hollow(-0.077).validate().unwrap();
+}
+
+#[test]
 fn a_strand_lies_in_a_hollow_rail() {
     // Two level shafts in gravity, and a trough pressed up into the slack lower strand.
     let mut drive = level(60, 2e-3);
