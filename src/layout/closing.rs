@@ -37,16 +37,18 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
     let spare = |s: f64| pitches(s).ok().map(|needed| links - needed);
     let here = links - pitches(0.0)?;
     let mut bracket = (here == 0.0).then_some((0.0, 0.0));
-    let mut fronts = [Some((0.0, here)); 2];
+    let mut fronts: [Option<(f64, f64)>; 2] = [Some((0.0, here)); 2];
     let mut ends = [(0.0, here); 2];
     let mut steps = 0;
     while bracket.is_none() && fronts.iter().any(Option::is_some) {
         steps += 1;
         for (side, front) in fronts.iter_mut().enumerate() {
             let Some((from, _)) = *front else { continue };
-            let to = (1.0 - 2.0 * side as f64) * f64::from(steps) * step;
+            // The last step is shortened: it ends at `reach`, and so does the search on this side.
+            let distance = (f64::from(steps) * step).min(reach);
+            let to = (1.0 - 2.0 * side as f64) * distance;
             *front = spare(to)
-                .filter(|_| to.abs() <= reach)
+                .filter(|_| distance > from.abs())
                 .map(|spare| (to, spare));
             let Some((_, there)) = *front else { continue };
             ends[side] = (to, there);
@@ -55,14 +57,18 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
             }
         }
     }
-    let Some((mut low, mut high)) = bracket else {
-        return Err(Error::Impossible(format!(
-            "no place of sprocket {} along ({:.4}, {:.4}) suits {} links: from {:.3} mm to {:.3} mm along it a taut chain has \
-             {:.3} to {:.3} pitches, {:.3} where it is",
+    let none_fits = |ranges: String| {
+        Error::Impossible(format!(
+            "no place of sprocket {} along ({:.4}, {:.4}) suits {} links: {ranges}",
             moved + 1,
             along.x,
             along.y,
-            drive.chain.links,
+            drive.chain.links
+        ))
+    };
+    let Some((mut low, mut high)) = bracket else {
+        return Err(none_fits(format!(
+            "from {:.3} mm to {:.3} mm along it a taut chain has {:.3} to {:.3} pitches, {:.3} where it is",
             1e3 * ends[1].0,
             1e3 * ends[0].0,
             links - ends[1].1,
@@ -78,8 +84,16 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
         }
     }
     let belt_place = 0.5 * (low + high);
-    let closing = closing_polygon(&at, belt_place, drive);
-    Ok(closing.unwrap_or(belt_place))
+    let found = closing_polygon(&at, belt_place, drive).unwrap_or(belt_place);
+    // The taut polygon closes near the place of the belt line, which may be on the other side of the limit.
+    if found.abs() > reach {
+        return Err(none_fits(format!(
+            "the nearest is {:.6} mm along it, beyond the reach of {:.6} mm",
+            1e3 * found,
+            1e3 * reach
+        )));
+    }
+    Ok(found)
 }
 
 /// Return the displacement near `belt_place` at which the best polygon is taut to rounding.

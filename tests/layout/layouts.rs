@@ -265,6 +265,25 @@ fn a_moved_centre_closes_the_chain_to_rounding() {
 }
 
 #[test]
+fn a_centre_is_looked_for_as_far_as_it_may_move_and_no_farther() {
+    let drive = three_shafts();
+    let direction = Vec2::new(1.0, 0.3);
+    let needed = closing_move(&drive, 1, direction, 0.1).unwrap();
+    for more in [1e-4, 1e-3] {
+        let again = closing_move(&drive, 1, direction, needed.abs() + more).unwrap();
+        // Both bisect to rounding, from brackets of different ends.
+        assert!((again - needed).abs() < 1e-11, "{again} {needed}");
+    }
+    for less in [1e-9, 1e-4, 0.9 * needed.abs()] {
+        let refused = closing_move(&drive, 1, direction, needed.abs() - less).unwrap_err();
+        assert!(
+            refused.to_string().contains("no place of sprocket 2"),
+            "{refused}"
+        );
+    }
+}
+
+#[test]
 fn what_cannot_be_laid_is_refused_with_numbers() {
     let refusal = |drive: &Drive| match InitialConfiguration::generate(drive) {
         Err(Error::Impossible(message)) => message,

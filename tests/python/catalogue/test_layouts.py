@@ -389,6 +389,15 @@ def test_without_a_reach_a_centre_moves_by_at_most_a_thousand_pitches():
     assert farther.sprockets[1].center[0] == pytest.approx(moved + 2 * PITCH, abs=1e-9)
 
 
+def test_a_centre_moves_up_to_the_reach_also_within_the_last_half_pitch():
+    moved = rc.chain_drive("ANSI 40", PAIR, links=86, adjust=2).sprockets[1].center[0] - 0.4
+    assert 1.5 * PITCH / 2 < moved < 2 * PITCH / 2
+    near = rc.chain_drive("ANSI 40", PAIR, links=86, adjust=2, reach=moved + 5e-5)
+    assert near.sprockets[1].center[0] - 0.4 == pytest.approx(moved, abs=1e-11)
+    with pytest.raises(rc.InvalidInput, match=r"from -12\.400 mm to 12\.400 mm along it"):
+        rc.chain_drive("ANSI 40", PAIR, links=86, adjust=2, reach=0.0124)
+
+
 def test_links_of_different_elongation_are_counted_by_their_mean_and_keep_their_own():
     made = rc.catalogue_chain("ANSI 40", 100)
     links = rc.chain_drive(replace(made, elongation=0.02), PAIR).chain.links
