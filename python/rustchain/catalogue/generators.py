@@ -94,6 +94,12 @@ def chain_drive(
     reach = admitted("chain_drive(reach)", reach, float | None)
     adjust = None if adjust is None else _number(adjust, len(sprockets))
     known = _ANY_LINKS if links is None else links
+    if links is None and isinstance(chain, Chain) and chain.offset is not None:
+        msg = (
+            "links = None: even numbers of links are counted, and the offset link of the chain "
+            "needs an odd one; give `links`, or a chain without Chain.offset"
+        )
+        raise InvalidInput(msg)
     if isinstance(chain, str):
         chain = catalogue_chain(chain, known, rollers=rollers, plates=plates)
     else:

@@ -398,6 +398,13 @@ def test_a_centre_moves_up_to_the_reach_also_within_the_last_half_pitch():
         rc.chain_drive("ANSI 40", PAIR, links=86, adjust=2, reach=0.0124)
 
 
+def test_an_offset_link_needs_an_odd_number_of_links_to_be_given():
+    chain = replace(rc.catalogue_chain("ANSI 40", 85), offset=rc.Link(8e-3, 2e-7))
+    with pytest.raises(rc.InvalidInput, match=r"^links = None: even numbers .* Chain\.offset$"):
+        rc.chain_drive(chain, PAIR)
+    assert rc.chain_drive(chain, PAIR, links=85, adjust=2).chain.links == 85
+
+
 def test_links_of_different_elongation_are_counted_by_their_mean_and_keep_their_own():
     made = rc.catalogue_chain("ANSI 40", 100)
     links = rc.chain_drive(replace(made, elongation=0.02), PAIR).chain.links
