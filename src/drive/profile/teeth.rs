@@ -99,35 +99,46 @@ impl ToothForm {
         form: &dyn Fn(&Blank) -> std::result::Result<ToothProfile, f64>,
     ) -> Result<ToothProfile> {
         let [least, most] = iso_tip_diameters(chain.pitch, self.roller_diameter(chain), teeth);
-        let tips = tip_diameter.map_or_else(|| vec![0.5 * (least + most), least], |tip| vec![tip]);
-        let mut outcome = self.with_tip(chain, teeth, seat, tips[0], form);
-        if outcome.is_err() && tips.len() > 1 {
-            outcome = self.with_tip(chain, teeth, seat, tips[1], form);
+        let is_given = tip_diameter.is_some();
+        let with_tip = |tip: f64| {
+            let blank = self.blank(chain, teeth, seat, tip, is_given)?;
+            form(&blank).map_err(|meets| self.pointed(&blank, meets, is_given))
+        };
+        match tip_diameter {
+            Some(tip) => with_tip(tip),
+            None => with_tip(0.5 * (least + most)).or_else(|_| with_tip(least)),
         }
-        outcome
     }
 
-    fn with_tip(
+    /// Return the dimensions of a tooth with the tip diameter `tip` \[m\], which is given or that of the standard.
+    fn blank(
         &self,
         chain: &Chain,
         teeth: u32,
         seat: Seat,
         tip: f64,
-        form: &dyn Fn(&Blank) -> std::result::Result<ToothProfile, f64>,
-    ) -> Result<ToothProfile> {
-        let blank = self.blank(chain, teeth, seat, tip)?;
-        form(&blank).map_err(|meets| self.pointed(&blank, meets))
-    }
-
-    fn blank(&self, chain: &Chain, teeth: u32, seat: Seat, tip: f64) -> Result<Blank> {
+        is_given: bool,
+    ) -> Result<Blank> {
         let roller_diameter = self.roller_diameter(chain);
         let [least, most] = iso_tip_diameters(chain.pitch, roller_diameter, teeth);
         let pitch_diameter = 2.0 * wrap::pitch_radius(chain.pitch, teeth);
-        let seat_radius = match self {
+        let given_seat = match self {
             Self::Straight(tooth) => tooth.seat_radius,
             _ => None,
         };
-        let seat_radius = seat_radius.unwrap_or(SEAT_OVER_ROLLER * roller_diameter);
+        if let Some(seat_radius) = given_seat
+            && seat_radius <= chain.contact_radius()
+        {
+            return Err(Error::invalid(
+                format!("{}.seat_radius", self.name()),
+                seat_radius,
+                format!(
+                    "must give a seat wider than the bushing: be above {} m, its radius",
+                    chain.contact_radius()
+                ),
+            ));
+        }
+        let seat_radius = given_seat.unwrap_or(SEAT_OVER_ROLLER * roller_diameter);
         if roller_diameter >= chain.pitch || seat_radius <= chain.contact_radius() {
             return Err(Error::invalid(
                 format!("{}.roller_diameter", self.name()),
@@ -137,6 +148,17 @@ impl ToothForm {
                     chain.pitch,
                     2.0 * chain.contact_radius(),
                     2.0 * seat_radius
+                ),
+            ));
+        }
+        if tip <= pitch_diameter && !is_given {
+            return Err(Error::invalid(
+                format!("{}.roller_diameter", self.name()),
+                roller_diameter,
+                format!(
+                    "leaves no tooth: the smallest tip diameter of ISO 606 is then {tip:.6} m, not above the pitch diameter, \
+                     {pitch_diameter:.6} m; must be below {:.6} m, or give a tip_diameter",
+                    roller_diameter + least - pitch_diameter
                 ),
             ));
         }
@@ -160,12 +182,19 @@ impl ToothForm {
         })
     }
 
-    fn pointed(&self, blank: &Blank, meets: f64) -> Error {
+    fn pointed(&self, blank: &Blank, meets: f64, is_given: bool) -> Error {
+        let tip = 2.0 * blank.outside_radius;
+        let (value, at) = if is_given {
+            (tip.to_string(), String::new())
+        } else {
+            let at = format!(" even at the smallest tip diameter of ISO 606, {tip:.6} m");
+            ("None".to_string(), at)
+        };
         Error::invalid(
             format!("{}.tip_diameter", self.name()),
-            2.0 * blank.outside_radius,
+            value,
             format!(
-                "the tooth is pointed: its flanks meet at a diameter of {:.6} m; must be less than that by what the edge \
+                "the tooth is pointed{at}: its flanks meet at a diameter of {:.6} m; must be less than that by what the edge \
                  of radius {} m takes, or the gap narrower",
                 2.0 * meets,
                 blank.edge_radius

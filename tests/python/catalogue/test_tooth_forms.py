@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -172,3 +173,28 @@ def test_a_seat_that_leaves_no_room_for_the_bushing_is_refused(room):
     sprockets = [rc.Sprocket(17, profile=tooth), rc.Sprocket(17, (0.3, 0.0))]
     with pytest.raises(rc.InvalidInput, match=r"its radius must be at least|a seat wider than"):
         rc.chain_drive("ANSI 40", sprockets, adjust=2)
+
+
+@pytest.mark.parametrize(
+    ("profile", "says"),
+    [
+        (rc.StraightTooth(0.35, seat_radius=3.9e-3), r"StraightTooth\.seat_radius = 0\.0039: "),
+        (
+            rc.IsoTooth(roller_diameter=0.012),
+            r"IsoTooth\.roller_diameter = 0\.012: leaves no tooth",
+        ),
+        (rc.StraightTooth(1.0), r"StraightTooth\.tip_diameter = None: .* even at the smallest"),
+        (rc.StraightTooth(1.0, tip_diameter=0.073), r"StraightTooth\.tip_diameter = 0\.073: "),
+    ],
+)
+def test_teeth_are_refused_by_the_field_that_is_given(profile, says):
+    with pytest.raises(rc.InvalidInput, match=f"^{says}"):
+        rc.two_sprocket_drive("ANSI 40", (17, 17), links=60, profile=profile)
+
+
+def test_a_roller_below_the_limit_of_the_refusal_leaves_a_tip_above_the_pitch_circle():
+    with pytest.raises(rc.InvalidInput, match=r"must be below") as refused:
+        rc.Sprocket(17, profile=rc.IsoTooth(roller_diameter=0.012)).outline(CHAIN)
+    limit = float(re.search(r"must be below ([\d.]+) m", str(refused.value))[1])
+    # p (1 - 1.6/z)
+    assert limit == pytest.approx(CHAIN.pitch * (1 - 1.6 / 17), abs=1e-6)
