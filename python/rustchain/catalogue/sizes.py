@@ -23,6 +23,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rustchain import _rustchain
+from rustchain.arguments import admitted
+from rustchain.errors import InvalidInput
 
 INCH = 0.0254  # [m]
 _POUND_PER_FOOT = 0.45359237 / 0.3048  # [kg/m]
@@ -111,11 +113,19 @@ class ChainSize:
         ANSI chains have that of one strand times their number. Two and three strands of the B
         series have typical values of their own, from 05B to 24B.
 
+        Raises
+        ------
+        InvalidInput
+            `strands` is not a whole number of 1 or more.
+
         Examples
         --------
         >>> rc.chain_sizes()["ISO 08B"].breaking_load(2)
         31100.0
         """
+        strands = admitted("breaking_load(strands)", strands, int)
+        if strands < 1:
+            raise InvalidInput(f"strands = {strands}: must be 1 or more")
         if strands == 1 or self.name.startswith("ANSI"):
             return strands * self.strength
         return _STRENGTHS.get(self.name, {}).get(strands)

@@ -136,6 +136,13 @@ def test_the_table_of_a_size_has_each_number_in_its_unit():
     assert "2 strands" not in str(rc.chain_sizes()["ISO 32B"])  # not known
 
 
+@pytest.mark.parametrize("strands", [-1, 0, 2.5, "2", True, None])
+def test_a_breaking_load_of_no_number_of_strands_is_refused(strands):
+    for name in ("ANSI 40", "ISO 08B"):
+        with pytest.raises(rc.InvalidInput, match="strands"):
+            rc.chain_sizes()[name].breaking_load(strands)
+
+
 def test_names_of_both_standards_and_of_makers_are_those_of_a_size():
     assert set(_other_names("ANSI 80")) == {
         "ansi80", "80", "#80", "rs80", "iso16a", "16a",
