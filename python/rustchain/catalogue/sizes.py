@@ -142,6 +142,19 @@ class ChainSize:
         Keys are "inner plates", "bushings", "rollers" (of an inner link), "outer plates" and "pins"
         (of an outer link); each counts both of its kind.
         """
+        # A bore is counted where it is, also in the plates. All of it with the bushings would leave
+        # those of ISO 32B a negative mass: their wall is thin and their plates are thick.
+        parts, length = self._whole_bores, 2 * self.inner_plate_thickness
+        plates = _sum(parts["inner plates"], self._cylinders(self.bore_diameter, -length))
+        bushings = _sum(parts["bushings"], self._cylinders(self.bore_diameter, length))
+        return parts | {"inner plates": plates, "bushings": bushings}
+
+    @property
+    def _whole_bores(self) -> dict[str, Part]:
+        """Parts with the whole bores counted with the bushings: what links and their scale add up.
+
+        Sums of `parts` would be the same to rounding, but runs would not have the same bits.
+        """
         bearing = self.inner_width + 2 * self.inner_plate_thickness
         pins = bearing + self.outer_plate_thickness
         bushings = _sum(
@@ -177,7 +190,8 @@ class ChainSize:
     @property
     def mass_scale(self) -> float:
         """Return the factor of the parts' masses at which the chain weighs `mass_per_length`."""
-        return 2 * self.pitch * self.mass_per_length / sum(p.mass for p in self.parts.values())
+        whole = sum(p.mass for p in self._whole_bores.values())
+        return 2 * self.pitch * self.mass_per_length / whole
 
     @property
     def plate_sections(self) -> tuple[float, float]:
@@ -192,7 +206,7 @@ class ChainSize:
 
     def links(self, rollers: bool = True) -> tuple[Part, Part]:
         """Return the inner link, with or without its rollers, and the outer one, to scale."""
-        parts, scale = self.parts, self.mass_scale
+        parts, scale = self._whole_bores, self.mass_scale
         inner = _sum(parts["inner plates"], parts["bushings"])
         if rollers:
             inner = _sum(inner, parts["rollers"])

@@ -42,9 +42,19 @@ def test_a_chain_weighs_what_its_maker_says_and_its_parts_nearly_do(name):
     assert per_length == pytest.approx(size.mass_per_length, rel=1e-14)
     # Bars without a waist, largest plates: the parts of steel are up to a third too heavy.
     assert 0.7 < size.mass_scale < 1.05
-    assert sum(part.mass for part in size.parts.values()) * size.mass_scale == pytest.approx(
+    parts = size.parts
+    assert all(part.mass > 0.0 < part.inertia for part in parts.values() if part != (0.0, 0.0))
+    assert (parts["rollers"] == (0.0, 0.0)) == (not size.has_rollers)
+    assert sum(part.mass for part in parts.values()) * size.mass_scale == pytest.approx(
         2 * size.pitch * size.mass_per_length
     )
+    for link, kinds in zip(
+        size.links(),
+        (("inner plates", "bushings", "rollers"), ("outer plates", "pins")),
+        strict=True,
+    ):
+        whole = np.sum([parts[kind] for kind in kinds], axis=0)
+        assert link == pytest.approx(size.mass_scale * whole, rel=1e-13)
 
 
 def test_moments_of_inertia_are_those_of_the_shapes():
@@ -57,6 +67,10 @@ def test_moments_of_inertia_are_those_of_the_shapes():
     inside = beyond**2 + y**2 <= (h / 2) ** 2
     mass = 7850 * 2 * t * cell * inside.sum()
     inertia = 7850 * 2 * t * cell * (inside * (x**2 + y**2)).sum()
+    # Bushings fill the holes, but for their bores.
+    bore = size.bore_diameter / 2
+    bores = 7850 * 2 * np.pi * bore**2 * 2 * t
+    mass, inertia = mass - bores, inertia - bores * (bore**2 / 2 + (p / 2) ** 2)
     plates = size.parts["inner plates"]
     assert plates.mass == pytest.approx(mass, rel=3e-3)
     assert plates.inertia == pytest.approx(inertia, rel=3e-3)
