@@ -134,13 +134,14 @@ def two_sprocket_drive(
     torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep, optional
         Torque on the driven sprocket [N m], counterclockwise positive; by default none.
     seat : {"bottom-diameter", "pitch-circle"}
-        Position of the seats of the teeth; see `AnsiTooth`.
+        Position of the seats of the default teeth; see `AnsiTooth`. A `profile` has its own.
     gravity : (float, float)
         Acceleration of gravity [m/s^2].
     hinges : {"clearance", "ideal"}
         Pins with clearance in their bushings, or ideal joints.
     profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth, optional
-        Tooth form of both sprockets; by default that of the chain's standard with this `seat`.
+        Tooth form of both sprockets. By default it is `IsoTooth` for a chain that has the name of an
+        ISO size of the catalogue, else `AnsiTooth`, with this `seat`.
     rollers : {"fixed", "bodies"}
         For a chain given by its name; see `catalogue_chain`.
     plates : {"rigid", "elastic"}
@@ -159,7 +160,12 @@ def two_sprocket_drive(
         raise InvalidInput(msg)
     pair: tuple[int, int] = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
     links = None if links is None else admitted("two_sprocket_drive(links)", links, int)
-    iso = isinstance(chain, str) and _size(chain)[0].standard == "ISO 606"
+    if profile is not None and seat != "bottom-diameter":
+        msg = (
+            f"seat = {shown(seat)}: must be left out beside a profile, which has its own; give it "
+            f"there, such as AnsiTooth(seat={shown(seat)})"
+        )
+        raise InvalidInput(msg)
     if isinstance(chain, Chain):
         links = chain.links if links is None else links
         pitch = replace(chain, links=links).mean_pitch
@@ -181,6 +187,9 @@ def two_sprocket_drive(
         check_plates(chain, plates)
         chain = replace(chain, links=links)
     if profile is None:
+        # A changed chain of the catalogue has the teeth of its size: the name is kept.
+        size = SIZES.get(chain.name)
+        iso = size is not None and size.standard == "ISO 606"
         profile = IsoTooth(seat=seat) if iso else AnsiTooth(seat=seat)
     return ChainDrive(
         chain=chain,

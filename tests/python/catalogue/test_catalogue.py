@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -154,6 +154,21 @@ def test_an_iso_chain_gets_iso_teeth():
     drive = rc.two_sprocket_drive(chain="ISO 08B", teeth=(17, 25), links=60)
     assert all(sprocket.profile == rc.IsoTooth() for sprocket in drive.sprockets)
     assert drive.check().links == 60
+
+
+def test_a_changed_iso_chain_keeps_iso_teeth():
+    chain = rc.catalogue_chain("ISO 08B", 60)
+    for given in (chain, replace(chain, elongation=0.002)):
+        drive = rc.two_sprocket_drive(given, (17, 25), seat="pitch-circle")
+        assert [s.profile for s in drive.sprockets] == [rc.IsoTooth(seat="pitch-circle")] * 2
+    for other in (rc.catalogue_chain("ANSI 40", 60), replace(chain, name="own")):
+        drive = rc.two_sprocket_drive(other, (17, 25))
+        assert [s.profile for s in drive.sprockets] == [rc.AnsiTooth()] * 2
+
+
+def test_a_seat_beside_a_tooth_form_is_refused():
+    with pytest.raises(rc.InvalidInput, match=r"^seat = 'pitch-circle': must be left out beside"):
+        rc.two_sprocket_drive(links=60, seat="pitch-circle", profile=rc.AnsiTooth())
 
 
 def test_the_command_lists_all_and_shows_one():
