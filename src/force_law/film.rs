@@ -37,7 +37,7 @@ use crate::math::{Real, Truth};
 pub struct Film {
     /// Dynamic viscosity μ \[Pa s\].
     pub viscosity: f64,
-    /// Length L of the film along the pin \[m\]; none: the contact length.
+    /// Length L of the film along the pin, of one strand \[m\]; none: the contact length.
     pub length: Option<f64>,
     /// Ratio of eccentricity to clearance at the start of the transition to dry contact.
     pub handover: f64,
@@ -70,6 +70,13 @@ impl Film {
             ));
         }
         Ok(())
+    }
+
+    /// Return the film of several parallel strands as one: a given length is that of one strand.
+    #[must_use]
+    pub fn of_strands(self, strands: u32) -> Self {
+        let length = self.length.map(|length| f64::from(strands) * length);
+        Self { length, ..self }
     }
 
     /// Return the film in hinges of this pin radius, radial clearance and contact length \[m\].

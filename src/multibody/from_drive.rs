@@ -202,7 +202,10 @@ impl Mechanism {
                     },
                     radius: chain.hinge.pin_radius,
                     law: surfaces(chain.hinge_contact_length()),
-                    tribology: contacts.tribology,
+                    tribology: Tribology {
+                        film: (contacts.tribology.film).map(|film| film.of_strands(chain.strands)),
+                        ..contacts.tribology
+                    },
                 }),
             }
             for (number, profile) in profiles.iter().enumerate() {

@@ -67,8 +67,13 @@ impl Model {
                 bristles: laws.hinge_bristles,
                 compliance: (chain.link_compliance())
                     .map(|whole| plates_at_hinges(whole, links, ends.as_ref())),
-                film: (laws.hinge_film)
-                    .map(|film| film.between(pin, clearance, chain.hinge_contact_length())),
+                film: laws.hinge_film.map(|film| {
+                    film.of_strands(chain.strands).between(
+                        pin,
+                        clearance,
+                        chain.hinge_contact_length(),
+                    )
+                }),
             },
             teeth: ToothModel {
                 contact_radius: chain.contact_radius(),

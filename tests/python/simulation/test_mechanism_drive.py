@@ -60,6 +60,17 @@ def test_other_hinges_are_refused():
         rc.paper_drive().to_mechanism(hinges="rigid")
 
 
+def test_a_film_of_several_strands_is_as_long_in_the_mechanism():
+    paper = rc.paper_drive(pretension=25.0)
+    drive = dataclasses.replace(paper, chain=dataclasses.replace(paper.chain, strands=3))
+    law = rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1, length=9e-3))
+    direct = rc.Simulation(drive, law, solver=SOLVER)
+    mechanism = rc.Simulation(drive.to_mechanism(force_law=law), solver=SOLVER)
+    for simulation in (direct, mechanism):
+        simulation.step_to(2e-3)
+    np.testing.assert_allclose(mechanism.positions[:, :2], direct.positions[:, :2], atol=2e-8)
+
+
 @pytest.mark.parametrize("back", [0.0, 100.0])
 def test_a_leak_does_not_go_into_a_mechanism_even_a_leak_of_none(back):
     tensioner = rc.Tensioner(25.0, damping_back=back)

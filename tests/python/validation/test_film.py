@@ -202,6 +202,24 @@ def test_what_means_nothing_is_refused(make, message):
         make()
 
 
+@pytest.mark.parametrize("length", [None, 0.011])
+def test_each_of_several_strands_has_a_film_of_the_given_length(length):
+    paper = rc.paper_drive()
+    law = rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1, length=length))
+
+    def film_force(strands):
+        drive = replace(paper, chain=replace(paper.chain, strands=strands))
+        result = rc.Simulation(drive, hinge_law=law).run(
+            2e-4, report_step=1e-4, record=["hinges"], progress=False
+        )
+        return result.array("hinge_film_force")[1]
+
+    # Masses and films are three times those of one: the films carry the motion before contact.
+    one, three = film_force(1), film_force(3)
+    assert np.max(one) > 0.0
+    np.testing.assert_allclose(three, 3.0 * one, rtol=1e-6, atol=1e-9 * np.max(one))
+
+
 def test_hinge_forces_and_their_peaks_are_those_of_contact_and_film_together():
     law = rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
     drive = rc.two_sprocket_drive(

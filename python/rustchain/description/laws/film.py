@@ -25,7 +25,8 @@ class LubricantFilm(Description):
         Dynamic viscosity [Pa s]: some 0.01 for a warm lubricant of low viscosity, 0.1 to 0.5 for
         chain lubricants.
     length : float, optional
-        Length of the film along the pin [m]; by default the length of contact of the hinge.
+        Length of the film along the pin, of one strand [m]; by default the length of contact of the
+        hinge.
     handover : float
         Eccentricity over clearance above which dry contact replaces the film, 0.1 to 0.99. At 1,
         where pin and bushing touch, the film force is zero.

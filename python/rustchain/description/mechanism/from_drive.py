@@ -29,12 +29,17 @@ def drive_mechanism(
         raise InvalidInput(msg)
     drive = replace(drive, hinges=hinges)
     law = force_law or LankaraniNikravesh()
+    dry = wet = replace(law, film=None)
+    if (film := law.film) is not None:
+        # A given length is that of one strand.
+        length = None if film.length is None else drive.chain.strands * film.length
+        wet = replace(law, film=replace(film, length=length))
     mechanism = Mechanism(drive.gravity, drive.name)
     for method, keywords in _rustchain.drive_mechanism(drive, law, min_impact_velocity):
         if (length := keywords.pop("length", None)) is not None:
             material = drive.chain.material
             # Teeth have no film.
-            own = replace(law, film=None) if "sprocket" in keywords else law
+            own = dry if "sprocket" in keywords else wet
             keywords["law"] = SurfaceContact(own, length, material, min_impact_velocity)
         if (number := keywords.get("sprocket")) is not None:
             keywords |= {"sprocket": drive.sprockets[number], "chain": drive.chain}
