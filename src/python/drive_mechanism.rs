@@ -23,7 +23,7 @@ pub(super) fn drive_contacts(
     min_impact_velocity: &Bound<'_, PyAny>,
 ) -> PyResult<DriveContacts> {
     Ok(DriveContacts {
-        law: describe::law_and_friction(force_law, "force_law")?.0,
+        law: describe::mechanism_law(force_law, "force_law")?,
         min_impact_velocity: describe::min_impact_velocity(min_impact_velocity)?,
         tribology: describe::tribology(force_law)?,
     })

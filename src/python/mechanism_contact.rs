@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::describe::{
-    LAWS, Reader, chain, kind_of, law_and_friction, material, number, refuse, sprocket, tribology,
+    LAWS, Reader, chain, kind_of, material, mechanism_law, number, refuse, sprocket, tribology,
     truth,
 };
 use super::mechanism_fields::{markers, pairs, text};
@@ -116,7 +116,7 @@ fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
             let material = material(&read.get("material")?, "material")?;
             material.validate()?;
             ContactLaw::Surfaces {
-                law: law_and_friction(&read.get("law")?, "law")?.0,
+                law: mechanism_law(&read.get("law")?, "law")?,
                 contact_modulus: material.contact_modulus(),
                 restitution: material.restitution,
                 length: read.number("length", "m")?,

@@ -104,6 +104,20 @@ pub(crate) fn law_and_friction(
     Ok((law, read.optional("friction", friction_law)?))
 }
 
+/// Read the force law of contacts in a mechanism, which have no sharp regions.
+pub(crate) fn mechanism_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
+    let (law, _) = law_and_friction(object, field)?;
+    if law.regions == Regions::Sharp {
+        return Err(refuse(
+            &format!("{}.regions", kind_of(object)),
+            &object.getattr("regions")?,
+            "must be \"kept\" in a mechanism, whose contacts keep the stiffness of their onset: leave it out, or simulate the drive \
+             itself",
+        ));
+    }
+    Ok(law)
+}
+
 fn coulomb(law: FrictionLaw) -> Option<Friction> {
     match law {
         FrictionLaw::Coulomb(friction) => Some(friction),

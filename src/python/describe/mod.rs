@@ -24,8 +24,8 @@ use tightening::{arm, tensioner};
 pub(super) use chain::{chain, material};
 pub(super) use ends::chain_end;
 pub(super) use laws::{
-    LAWS, damping, film, force_laws, friction, law_and_friction, law_of, min_impact_velocity,
-    tribology,
+    LAWS, damping, film, force_laws, friction, law_and_friction, law_of, mechanism_law,
+    min_impact_velocity, tribology,
 };
 pub(super) use reader::{
     Reader, count, finite, kind_of, number, refuse, shown, signal, table, truth, two_teeth,

@@ -71,6 +71,19 @@ def test_a_film_of_several_strands_is_as_long_in_the_mechanism():
     np.testing.assert_allclose(mechanism.positions[:, :2], direct.positions[:, :2], atol=2e-8)
 
 
+def test_sharp_regions_do_not_go_into_a_mechanism():
+    says = r'LankaraniNikravesh\.regions = .sharp.: must be "kept" in a mechanism'
+    law = rc.LankaraniNikravesh(regions="sharp")
+    with pytest.raises(rc.InvalidInput, match=says):
+        rc.paper_drive().to_mechanism(force_law=law)
+    mechanism = rc.Mechanism()
+    mechanism.add_body("pin", 0.1, 1e-5)
+    contact = rc.SurfaceContact(law)
+    mechanism.add_clearance_joint("joint", "ground", "pin", 0.0101, 0.01, contact)
+    with pytest.raises(rc.InvalidInput, match=says):
+        mechanism.check()
+
+
 @pytest.mark.parametrize("back", [0.0, 100.0])
 def test_a_leak_does_not_go_into_a_mechanism_even_a_leak_of_none(back):
     tensioner = rc.Tensioner(25.0, damping_back=back)

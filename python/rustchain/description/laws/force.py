@@ -46,7 +46,8 @@ class ForceLaw(Description):
     regions : {"kept", "sharp"}
         "kept": a contact keeps the stiffness of the tooth region where it began, which closes the
         energy balance. "sharp": the stiffness changes where the bushing crosses into another
-        region; under load, energy is not conserved there, at any accuracy.
+        region; under load, energy is not conserved there, at any accuracy. Mechanisms take "kept"
+        alone.
     friction : Coulomb or LuGre, optional
         Friction of the contacts that have this law, in chain drives with clearance hinges and in
         mechanisms. None: there is none, and it costs nothing.
