@@ -33,7 +33,8 @@ def contact_law(draw: Draw, in_bore: bool = False) -> Law:
     if kind == "hunt-crossley":
         exponent = draw.one_of((1.0, 1.5, draw.between(1.0, 3.0)))
         return rc.HuntCrossley(draw.log_between(1e6, 1e9), exponent, draw.between(0.0, 2.0))
-    law = replace(parts.law(draw), **others)
+    # A mechanism refuses sharp regions.
+    law = replace(parts.law(draw), regions="kept", **others)
     floor = draw.log_between(1e-6, 1e-1)
     return rc.SurfaceContact(law, length, parts.material(draw), floor)
 
@@ -220,7 +221,7 @@ def of_a_drive(draw: Draw) -> rc.Mechanism:
         speed=signals.speed(draw, 0.03),
         pretension=draw.one_of((None, 50.0)),
     )
-    law = parts.law(draw) if draw.chance(0.5) else None
+    law = replace(parts.law(draw), regions="kept") if draw.chance(0.5) else None
     mechanism = drive.to_mechanism(hinges=draw.one_of(("clearance", "ideal")), force_law=law)
     if draw.chance(0.2, "one driver less"):
         mechanism.joints = [j for j in mechanism.joints if not j.kind.startswith("driven")]
