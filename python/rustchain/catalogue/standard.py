@@ -140,7 +140,7 @@ def two_sprocket_drive(
     hinges : {"clearance", "ideal"}
         Pins with clearance in their bushings, or ideal joints.
     profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth, optional
-        Tooth form of both sprockets. By default it is `IsoTooth` for a chain that has the name of an
+        Tooth form of both sprockets. By default it is `IsoTooth` for a chain with the name of an
         ISO size of the catalogue, else `AnsiTooth`, with this `seat`.
     rollers : {"fixed", "bodies"}
         For a chain given by its name; see `catalogue_chain`.
