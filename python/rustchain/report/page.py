@@ -115,10 +115,13 @@ def _anchor(title: str) -> str:
 
 def _warnings(result: Result) -> str:
     """Return the warnings of the scene and of the run."""
-    found = list(result.scene.system.check().warnings)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        Simulation(result.scene)
+    try:
+        found = list(result.scene.system.check().warnings)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            Simulation(result.scene)
+    except InvalidInput as error:  # a Python function, which the file of the result does not have
+        found, caught = [str(error)], []
     # Those of the drive are there; the others are of force laws and of the solver.
     found += [text for each in caught if (text := str(each.message)) not in found]
     if not result.success:
@@ -146,7 +149,10 @@ def _inputs(result: Result) -> str:
             ("law of teeth", scene.law_of_teeth),
         ]
     else:
-        layout = f"<pre>{escape(str(scene.system.check()))}</pre>"
+        try:
+            layout = f"<pre>{escape(str(scene.system.check()))}</pre>"
+        except InvalidInput:  # which is among the warnings
+            layout = ""
     rows = [(label, _short(value)) for label, value in (*laws, ("solver", scene.solver))]
     rows.append(("start", scene.start if scene.positions is None else "given positions"))
     try:

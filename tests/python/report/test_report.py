@@ -374,3 +374,15 @@ def test_a_breaking_load_of_a_mechanism_is_refused(tmp_path):
     result = rc.Simulation(mechanism).run(1e-3, progress=False)
     with pytest.raises(rc.InvalidInput, match=r"report\(breaking_load\): a mechanism has no chain"):
         result.report(tmp_path / "report.html", breaking_load=1e4)
+
+
+def test_a_saved_result_with_a_python_function_has_a_report_without_it(tmp_path):
+    mechanism = rc.Mechanism()
+    mechanism.add_body("rod", mass=1.0, inertia=0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "rod", at=(0.0, 0.0))
+    mechanism.add_callable("push", "rod", lambda *_: (0.0, 0.0, 0.1))
+    rc.Simulation(mechanism).run(1e-3, progress=False).save(tmp_path / "run.nc")
+    rc.load_result(tmp_path / "run.nc").report(tmp_path / "report.html")
+    told = text_of(tmp_path / "report.html")
+    assert "was a Python function, which files do not hold" in told
+    assert "Energy balance" in told
