@@ -15,7 +15,16 @@ from rustchain.errors import InvalidInput
 from rustchain.plot.between_rows import round_number
 from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
 from rustchain.plot.finish import is_empty, note
-from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
+from rustchain.plot.style import (
+    Ax,
+    Figures,
+    legend_above,
+    legend_outside,
+    limit_ticks,
+    panels,
+    styled,
+    subplots,
+)
 from rustchain.typing import Array, Count, Time
 
 if TYPE_CHECKING:
@@ -166,10 +175,11 @@ class LoadFigures(Figures):
         left.plot(time, pressure.mean(part), color=BLUE, linewidth=0.6, label="mean of all")
         left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
         legend_above(left)
+        limit_ticks(left)
         try:
             _cycles(right, self.result.pressure_cycles(contact, start=start, end=end))
         except InvalidInput:  # the chain is open, or it hardly moves
-            right.set_yticks([])
+            right.set(xticks=[], yticks=[])
             note(right, "no revolution of the chain in this part")
         return figure
 

@@ -46,7 +46,7 @@ _STYLE: dict[str, Any] = {
     "figure.dpi": 150,
 }
 
-_NARROW = 4.5  # width of axes [in] in which nine labels such as 0.0025 overlap
+_NARROW = 5.2  # width of axes [in] in which nine labels such as 0.0025 overlap
 
 _theme: Theme = "light"
 
