@@ -18,5 +18,9 @@ def main() -> None:
         app()
     except MissingExtra as error:
         sys.exit(f"error: {error}")
+    except OSError as error:  # of the help, which no command prints
+        from rustchain.cli.common import unwritten
+
+        sys.exit(f"error: {unwritten(error)}")
     except KeyboardInterrupt:
         sys.exit(130)  # INTERRUPTED of common, whose import may be what was ended

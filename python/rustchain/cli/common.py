@@ -102,11 +102,16 @@ def printed(text: object) -> None:
     try:
         typer.echo(text)
     except OSError as error:
-        # What is in its buffer would fail at the exit, too.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        msg = unwritten(error)
         if not isinstance(error, BrokenPipeError):
-            msg = f"the standard output cannot be written ({reason(error)}); write it elsewhere"
             raise type(error)(msg) from error
+
+
+def unwritten(error: OSError) -> str:
+    """Return the message on a standard output that cannot be written, and end the output."""
+    # What is in its buffer would fail at the exit, too.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return f"the standard output cannot be written ({reason(error)}); write it elsewhere"
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401

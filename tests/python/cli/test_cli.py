@@ -208,9 +208,10 @@ def test_a_run_whose_output_has_no_reader_ends_well(tmp_path):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="has no device that is full")
-def test_a_standard_output_that_is_full_is_told_by_name():
+@pytest.mark.parametrize("asked", ["catalogue", "--help", "--version"])
+def test_a_standard_output_that_is_full_is_told_by_name(asked):
     with Path("/dev/full").open("w") as full:
-        called = [sys.executable, "-m", "rustchain", "catalogue"]
+        called = [sys.executable, "-m", "rustchain", asked]
         done = subprocess.run(called, stdout=full, stderr=subprocess.PIPE, text=True)
     told = "error: the standard output cannot be written (No space left on device); write it"
     assert (done.returncode, done.stderr.startswith(told)) == (1, True), done.stderr
