@@ -266,7 +266,8 @@ def checked_sprocket(result: Result, number: object, argument: str = "sprocket")
     count = len(result.drive.sprockets)
     given = plain(number)
     if type(given) is not int or given not in range(1, count + 1):
-        msg = f"{argument} = {shown(number)}: must be the number of a sprocket, 1 to {count}"
+        allowed = f"must be the number of a sprocket, 1 to {count}"
+        msg = f"{argument} = {shown(number)}: {allowed if count else 'the drive has no sprocket'}"
         if result.drive.guides:
             msg += "; the loads of guides are those of guide_loads"
         raise NoSuchPart(msg)
