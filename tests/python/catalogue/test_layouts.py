@@ -435,5 +435,5 @@ def test_ramps_of_two_motors_that_do_not_agree_are_warned_of(end, warned):
         rc.Sprocket(25, (0.35, 0.0), rc.PrescribedSpeed(rc.Table([(0.0, 0.0), (0.02, end)]))),
     ]
     told = " ".join(rc.chain_drive("ANSI 40", sprockets).check().warnings)
-    assert ("have 40.0000 and 40.0000 rad/s at 0.0200 s" in told) is warned
+    assert ("have 10.0000 and 10.0000 rad/s at 0.005 s" in told) is warned
     assert ("different speeds" in told) is warned
