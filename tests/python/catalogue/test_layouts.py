@@ -426,6 +426,7 @@ def test_a_report_with_eccentric_teeth_is_of_the_places_as_described():
     found = rc.chain_drive("ANSI 40", eccentric, tensioner=tensioner).check()
     assert found.tension_force == expected.tension_force
     assert found.center_distance == pytest.approx(0.41, abs=1e-15)
+    assert found.belt_pitches == expected.belt_pitches
 
 
 @pytest.mark.parametrize(("end", "warned"), [(40.0, True), (40.0 * 17 / 25, False)])
@@ -437,3 +438,12 @@ def test_ramps_of_two_motors_that_do_not_agree_are_warned_of(end, warned):
     told = " ".join(rc.chain_drive("ANSI 40", sprockets).check().warnings)
     assert ("have 10.0000 and 10.0000 rad/s at 0.005 s" in told) is warned
     assert ("different speeds" in told) is warned
+
+
+def test_the_length_to_spare_of_a_worn_chain_is_that_of_its_links():
+    chain = replace(rc.catalogue_chain("ANSI 40", 86), elongation=0.02)
+    sprockets = [rc.Sprocket(17, (0.0, 0.0)), rc.Sprocket(25, (0.4, 0.0))]
+    report = rc.chain_drive(chain, sprockets).check()
+    spare = 1e3 * (report.links - report.belt_pitches) * 1.02 * PITCH
+    assert spare > 0.0
+    assert f"{spare:.3f} mm to spare" in str(report)

@@ -84,3 +84,10 @@ def test_a_script_for_a_cluster_runs(name, tmp_path):
     assert f"{cases} of {cases} cases finished, 0 failed" in done.stdout
     assert len((tmp_path / "sweep.csv").read_text().splitlines()) == 1 + cases
     assert len(list((tmp_path / "runs").glob("*.nc"))) == cases
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("*.py")), ids=lambda path: path.stem)
+def test_a_script_names_the_package_as_the_index_has_it(path):
+    text = path.read_text(encoding="utf-8")
+    assert 'pip install "rustchain-dynamics[' in text
+    assert 'pip install "rustchain[' not in text

@@ -239,3 +239,10 @@ def test_300_frames_of_the_papers_drive_take_less_than_20_s(tmp_path):
     film = RESULT.animate(tmp_path / "run.gif", slow_motion=300 / 25 / 0.02)
     assert film.frame_count == 300
     assert time.process_time() - start < 20.0
+
+
+def test_a_view_has_its_width_where_the_scene_is_tall():
+    drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()), links=30)
+    result = rc.Simulation(drive).run(1e-3, record=("bodies",), progress=False)
+    left, right = canvas.Canvas(result.animate(view=0.1)).axes.get_xlim()
+    assert right - left == pytest.approx(0.1, rel=0.01)  # frames have whole pixels
