@@ -43,6 +43,7 @@ Path: TypeAlias = tuple[str, ...]
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
 _SCENE_FIELDS = tuple(field.name for field in dataclasses.fields(Scene)[1:])  # beside the system
 _LAW_FIELDS = tuple(name for name in field_names(Scene) if "_law." in name)
+_OTHER_LAWS = ("hinge_law", "tooth_law")
 RUN_FIELDS = ("duration", "report_step", "record", "energy")
 _SHORTHANDS = ("replicate", "pretension", "speed")
 _DISTURBANCE = 1e-4  # of a speed at the start
@@ -154,12 +155,14 @@ def case_of(system: System, run: Parameters, parameters: Parameters) -> tuple[Sc
         scene = replace(scene, system=_with_fields(scene, of_system))
     if of_scene:
         paths = {tuple(_target(name).split(".")): value for name, value in of_scene.items()}
-        laws = ("hinge_law", "tooth_law")
-        for law in laws:  # a field of a law that is by default that of all contacts
-            if any(path[0] == law and len(path) > 1 for path in paths):
+        of_laws = {path: value for path, value in paths.items() if path[0] in _OTHER_LAWS}
+        rest = {path: value for path, value in paths.items() if path not in of_laws}
+        scene = _replaced(scene, rest, "scene")
+        for law in _OTHER_LAWS:  # a field of a law that is by default that of all contacts
+            if any(path[0] == law and len(path) > 1 for path in of_laws):
                 of_law: dict[str, Any] = {law: getattr(scene, law) or scene.force_law}
                 scene = replace(scene, **of_law)
-        scene = _replaced(scene, paths, "scene")
+        scene = _replaced(scene, of_laws, "scene")
     return scene, changed_run
 
 
@@ -197,7 +200,14 @@ def _drive_with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
                 "that could be changed"
             )
             raise InvalidInput(msg)
-        fields["sprockets", str(driver + 1), "motion", "speed"] = fields.pop(("speed",))
+        path = ("sprockets", str(driver + 1), "motion", "speed")
+        if path in fields:
+            msg = (
+                f"axes: 'speed' and {shown('.'.join(path))} are one parameter of this drive; "
+                "leave one of them out"
+            )
+            raise InvalidInput(msg)
+        fields[path] = fields.pop(("speed",))
     changed: ChainDrive = _replaced(drive, fields, "drive")
     # At 0 N the centres are fixed, as in the generators.
     none = changes.get("pretension") == 0 and changed.tensioner is not None
@@ -235,8 +245,9 @@ def _replicated_drive(drive: ChainDrive, given: object) -> ChainDrive:
         return drive
     free = [not isinstance(sprocket.motion, PrescribedSpeed) for sprocket in drive.sprockets]
     if not any(free):
+        why = "every sprocket has a PrescribedSpeed" if free else "the drive has no sprocket"
         msg = (
-            f"replicate = {seed}: every sprocket has a PrescribedSpeed, so that none can start a "
+            f"replicate = {seed}: {why}, so that none can start a "
             "little faster or slower; leave it out, or vary another parameter"
         )
         raise InvalidInput(msg)

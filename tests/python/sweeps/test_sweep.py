@@ -306,6 +306,19 @@ def test_fields_that_only_go_together_are_changed_together():
     assert swept.values == [3.025e-3 - 3e-3]
 
 
+def test_a_field_of_one_law_changes_the_law_of_the_case():
+    """The law of hinges is by default that of all contacts, which an axis may vary, too."""
+    axes = {
+        "hinge_law.friction": [rc.Coulomb(0.1)],
+        "force_law": [rc.Johnson(), rc.Hertz()],
+    }
+    swept = rc.sweep(PAPER, axes, lambda r: (r.hinge_law, r.tooth_law), duration=1e-4)
+    assert swept.values == [
+        (rc.Johnson(friction=rc.Coulomb(0.1)), rc.Johnson()),
+        (rc.Hertz(friction=rc.Coulomb(0.1)), rc.Hertz()),
+    ]
+
+
 def test_the_parts_of_sequences_count_from_1_as_results_do():
     swept = rc.sweep(
         PAPER,
@@ -516,6 +529,10 @@ REFUSED = {
             {"speed": [1.0]},
         ),
         "speed = 1.0: no sprocket",
+    ),
+    "the speed of the driver under two names": (
+        lambda: rc.sweep(PAPER, {"speed": [10.0], "sprockets.1.motion.speed": [20.0]}),
+        "'speed' and 'sprockets.1.motion.speed' are one parameter",
     ),
     "a field of nothing": (
         lambda: rc.sweep(PAPER, {"tensioner.damping": [1.0]}),
