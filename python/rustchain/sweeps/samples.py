@@ -35,8 +35,8 @@ def samples(
     ----------
     distributions : mapping of str to distribution
         Of each parameter a distribution of `scipy.stats`, such as ``stats.norm(3.02e-3, 3e-6)``;
-        parameters are drawn independently of each other. Those of discrete distributions, such as
-        ``stats.randint(0, 2**31)`` for "chain.seed", are integers.
+        parameters are drawn independently of each other. Whole numbers of discrete distributions,
+        such as ``stats.randint(0, 2**31)`` for "chain.seed", are integers.
     count : int
         How many samples, 1 to 100,000.
     seed : int
@@ -75,16 +75,27 @@ def samples(
             raise InvalidInput(msg)
         try:
             values = np.asarray(quantile(place), dtype=float)
+            single = np.ndim(quantile(0.5)) == 0
+            # Classes such as stats.Binomial have no base of their own; pmf is 0 of continuous ones.
+            discrete = isinstance(getattr(distribution, "dist", distribution), stats.rv_discrete)
+            if not discrete and hasattr(distribution, "pmf"):
+                discrete = bool(np.all(distribution.pmf(values) > 0.0))
         except Exception as error:  # a distribution of the user's may raise anything
             msg = (
                 f"samples: {shown(name)} has {shown(distribution)}, which has no values "
                 f"({type(error).__name__}: {error}); expected a distribution of scipy.stats"
             )
             raise InvalidInput(msg) from error
+        if not single:
+            msg = (
+                f"samples: {shown(name)} has {shown(distribution)} of several values; expected "
+                "parameters of the distribution that are numbers, no arrays"
+            )
+            raise InvalidInput(msg)
         if not np.isfinite(values).all():
             msg = f"samples: {shown(name)} has values that are not finite; expected a distribution"
             raise InvalidInput(f"{msg} whose parameters are in their range")
-        whole = isinstance(getattr(distribution, "dist", None), stats.rv_discrete)
+        whole = discrete and bool(np.all(values == np.round(values)))
         columns.append([int(v) if whole else float(v) for v in values])
     return {tuple(distributions): list(zip(*columns, strict=True))}
 
