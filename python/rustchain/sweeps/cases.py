@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from itertools import product
 from typing import Any, TypeAlias
 
@@ -72,6 +72,21 @@ def dims_of(axes: Axes) -> dict[AxisName, str]:
         of_rows = "sample" if together == 1 else f"sample_{together}"
         found[axis] = of_rows if isinstance(axis, tuple) else axis
     return found
+
+
+def check_columns(names: Iterable[str], taken: Collection[str]) -> None:
+    """Refuse parameters with a name that the tables of a sweep or a study use for something else.
+
+    Only arguments of a function can have such a name.
+    """
+    for name in names:
+        if name in taken:
+            msg = (
+                f"axes: {shown(name)} is the name of another column or dimension of the tables; "
+                f"expected another than {', '.join(sorted(map(shown, taken)))}; rename the "
+                "argument of the function"
+            )
+            raise InvalidInput(msg)
 
 
 def cases_of(axes: object) -> tuple[Axes | None, list[Parameters]]:

@@ -65,7 +65,9 @@ def loss_map(
     -------
     Dataset
         Over ``speed`` and ``torque``: ``efficiency``; ``lost`` [W] in all; ``loss`` [W], also over
-        ``channel``, as in `Result.power_balance`; ``delivered`` [W] by sprocket `loaded`.
+        ``channel``, as in `Result.power_balance`; ``delivered`` [W] by sprocket `loaded`. NaN where
+        a case has failed, or did not end before Ctrl-C; ``attrs`` have ``status`` and ``message``,
+        as in `SweepResult`.
 
     Examples
     --------
@@ -78,11 +80,10 @@ def loss_map(
     from rustchain.extras import xarray as xr
 
     drive = scene_of(scene).drive
-    if loaded not in range(1, len(drive.sprockets) + 1):
-        msg = (
-            f"loaded = {shown(loaded)}: must be the number of a sprocket, 1 to "
-            f"{len(drive.sprockets)}"
-        )
+    count = len(drive.sprockets)
+    if loaded not in range(1, count + 1):
+        there = f"must be the number of a sprocket, 1 to {count}"
+        msg = f"loaded = {shown(loaded)}: {there if count else 'the drive has no sprocket'}"
         raise InvalidInput(msg)
     check_burn_in(burn_in, duration, [{}])
     if report_step - (duration - burn_in) > 1e-9 * duration:  # rounding
@@ -144,6 +145,7 @@ def loss_map(
             "torque": ("torque", np.asarray(torques, dtype=float), {"units": "N m"}),
             "channel": channels,
         },
+        found.attrs,
     )
 
 

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 _Values: TypeAlias = npt.NDArray[Any]
 
+OF_TABLES = ("error", "case")
+"""Columns of `SweepResult.to_pandas` beside parameters and measured numbers."""
+
 
 @named_attributes
 @dataclass(eq=False, repr=False)
@@ -165,7 +168,7 @@ class SweepResult(ArrayValue, HtmlView):
 
     def _taken(self) -> set[str]:
         """Return the names that no measured quantity may have."""
-        return {"error", "case", *self.dims, *(name for case in self.cases for name in case)}
+        return {*OF_TABLES, *self.dims, *(name for case in self.cases for name in case)}
 
     def _columns(self) -> dict[str, list[Any]]:
         """Return each parameter over the cases."""

@@ -19,7 +19,14 @@ from rustchain.simulation.run import Group
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
 from rustchain.sweeps.axes import System
-from rustchain.sweeps.cases import MOST_CASES, axes_of, cases_of, check_burn_in, names_of
+from rustchain.sweeps.cases import (
+    MOST_CASES,
+    axes_of,
+    cases_of,
+    check_burn_in,
+    check_columns,
+    names_of,
+)
 from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.running import DaskClient
@@ -33,6 +40,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+_OF_TABLES = ("run", "statistic", "measure")  # columns and dimensions of the tables
 _STATISTICS = ("mean", "std", "low", "high", "count")
 
 
@@ -245,8 +253,9 @@ def study(
     if "replicate" in names:
         msg = "axes: 'replicate' is what makes the runs of a study; say how many by runs=..."
         raise InvalidInput(msg)
+    check_columns(names, _OF_TABLES)
     check_burn_in(burn_in, duration, cases_of(grid)[1])
-    known = (*names, "run", "replicate", "statistic", "measure")
+    known = (*names, "replicate", *_OF_TABLES)
     found = sweep(
         scene,
         {**grid, "replicate": range(runs)},

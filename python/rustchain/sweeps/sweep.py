@@ -24,9 +24,9 @@ from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition, check_looks
 from rustchain.sweeps.axes import System, case_of, check_names
 from rustchain.sweeps.case_run import Case, Looks, Outcome, lean, told
-from rustchain.sweeps.cases import Parameters, cases_of
+from rustchain.sweeps.cases import Parameters, cases_of, check_columns, dims_of
 from rustchain.sweeps.measure import NameTaken, check_names_of
-from rustchain.sweeps.result import SweepResult
+from rustchain.sweeps.result import OF_TABLES, SweepResult
 from rustchain.sweeps.running import (
     DaskClient,
     check_executor,
@@ -133,7 +133,8 @@ def sweep(
     InvalidInput
         A parameter is not known, no case has values that are allowed, or a store cannot tell
         whether a function is the same. A measured name is that of a parameter, "error", "case",
-        another measured name as text, or a number of a measured array.
+        another measured name as text, or a number of a measured array. A parameter has the name of
+        another column or dimension of the tables.
     OSError
         The store cannot be written.
 
@@ -173,6 +174,8 @@ def sweep(
     check_truth("progress", progress)
     check_truth("retry", retry)
     check_names(scene, run, cases)
+    rows = () if grid is None else (d for axis, d in dims_of(grid).items() if d != axis)
+    check_columns(dict.fromkeys(name for case in cases for name in case), {*OF_TABLES, *rows})
     looks = Looks(stop, callback, len(check_looks(stop, callback)) > 0 or callback is not None)
     if threads is not None:
         threads = number_of_threads(threads)

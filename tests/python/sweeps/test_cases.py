@@ -80,6 +80,30 @@ def test_rows_that_do_not_fit_are_refused(axes, said):
         rc.study(PAPER, axes=axes, burn_in=0.0, **BRIEF)
 
 
+def drive_of(**given):
+    """A drive of arguments that have names of tables."""
+    return rc.paper_drive(given.get("pretension", 0.0))
+
+
+@pytest.mark.parametrize(
+    ("axes", "name"),
+    [
+        ({"sample": [1, 2], ("pretension", "speed"): [(0, 10.0), (25, 12.0)]}, "sample"),
+        ({"error": [1, 2]}, "error"),
+        ([{"case": 1}, {"case": 2}], "case"),
+    ],
+)
+def test_an_argument_with_the_name_of_a_column_is_refused(axes, name):
+    with pytest.raises(rc.InvalidInput, match=f"axes: '{name}' is the name of another column"):
+        rc.sweep(drive_of, axes, place, **BRIEF)
+
+
+@pytest.mark.parametrize("name", ["run", "statistic", "measure"])
+def test_an_argument_with_the_name_of_a_column_of_studies_is_refused(name):
+    with pytest.raises(rc.InvalidInput, match=f"axes: '{name}' is the name of another column"):
+        rc.study(drive_of, place, axes={name: [1, 2]}, burn_in=0.0, **BRIEF)
+
+
 @pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol", "halton"])
 def test_samples_follow_their_distributions_and_seeds(method):
     laws = {"a": stats.norm(3.0, 0.5), "b": stats.randint(0, 1000), "c": stats.uniform(1, 2)}
@@ -93,6 +117,23 @@ def test_samples_follow_their_distributions_and_seeds(method):
     assert np.abs(np.corrcoef(columns) - np.eye(3)).max() < 0.2
     assert rc.samples(laws, 512, seed=3, method=method)[names] == rows
     assert rc.samples(laws, 512, seed=4, method=method)[names] != rows
+
+
+@pytest.mark.parametrize("frozen", [False, True])
+def test_values_of_discrete_distributions_are_integers_where_they_are_whole(frozen):
+    teeth = stats.rv_discrete(values=([15, 17], [0.5, 0.5]))
+    force = stats.rv_discrete(values=([0.5, 25.5], [0.5, 0.5]))
+    laws = {"teeth": teeth() if frozen else teeth, "force": force() if frozen else force}
+    ((_, rows),) = rc.samples(laws, 32).items()
+    assert set(rows) == {(15, 0.5), (15, 25.5), (17, 0.5), (17, 25.5)}
+    assert {tuple(map(type, row)) for row in rows} == {(int, float)}
+
+
+@pytest.mark.skipif(not hasattr(stats, "Binomial"), reason="SciPy before 1.16")
+def test_classes_of_distributions_give_integers_where_they_are_discrete():
+    laws = {"a": stats.Binomial(n=10, p=0.5), "b": stats.Normal(mu=0.0, sigma=1.0)}
+    ((_, rows),) = rc.samples(laws, 8).items()
+    assert {tuple(map(type, row)) for row in rows} == {(int, float)}
 
 
 def test_even_samples_are_more_even_than_random_ones():
@@ -111,6 +152,7 @@ def test_even_samples_are_more_even_than_random_ones():
         (({"a": stats.norm(0.0, -1.0)}, 4), "values that are not finite"),
         (({}, 4), "expected a distribution for each parameter"),
         (({"a": stats.norm()}, 0), "samples(count) = 0"),
+        (({"a": stats.norm([0.0, 1.0])}, 2), "of several values; expected parameters"),
     ],
 )
 def test_what_gives_no_samples_is_refused(arguments, said):

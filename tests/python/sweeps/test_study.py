@@ -171,6 +171,23 @@ def test_a_drive_whose_sprockets_are_all_prescribed_has_no_other_start():
     assert "PrescribedSpeed" in str(found.sweep.errors[1])
 
 
+def test_a_drive_without_sprockets_has_no_other_start_and_no_loss_map():
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd((0.0, -0.127)))
+    chain = rc.open_chain("ANSI 40", ends, links=10)
+    with pytest.warns(RuntimeWarning, match="replicate = 1: the drive has no sprocket, so"):
+        rc.study(chain, lambda r: r.time[-1], runs=2, **SHORT)
+    with pytest.raises(rc.InvalidInput, match="loaded = 2: the drive has no sprocket"):
+        rc.loss_map(chain, [10.0], [-1.0])
+
+
+def test_a_loss_map_tells_how_its_cases_ended():
+    given = {"duration": 2e-3, "burn_in": 1e-3, "progress": False}
+    with pytest.warns(rc.CaseWarning, match="1 of 2 cases failed"):
+        losses = rc.loss_map(rc.paper_drive(), [10.0, 1e9], [-1.0], **given)
+    assert np.isfinite(losses["lost"].to_numpy()).tolist() == [[True], [False]]
+    assert losses.attrs["message"] == "1 of 2 cases finished, 1 failed"
+
+
 def test_a_loss_map_holds_the_balances_of_single_runs():
     drive = rc.two_sprocket_drive(teeth=(17, 17), links=40, pretension=50.0)
     speeds, torques = [6.0, 12.0], [-1.0, -2.0, -3.0]
