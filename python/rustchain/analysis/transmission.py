@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 
+_FEWEST = 8  # rows of a spectrum of orders
+_ROUNDING = 1e-6  # of a revolution: the angles of a whole number of them add up to it with rounding
+
+
 def mean_ratio(drive: ChainDrive, driven: Count, driver: Count) -> float:
     """Return the mean speed of one sprocket over that of another, by their teeth."""
     of, to = drive.sprockets[driven - 1], drive.sprockets[driver - 1]
@@ -42,7 +46,8 @@ def transmission_error(
     Dataset
         Over ``time``: ``error`` [rad] of the driven sprocket, its mean taken off;
         ``error_length`` [m], the same at the pitch radius; ``driver_angle`` [rad] turned. Over
-        ``order``, cycles per revolution of the driver: ``amplitude`` [rad] (Hann's window).
+        ``order``, cycles per revolution of the driver: ``amplitude`` [rad] over its last whole
+        revolutions (Hann's window; of less than one revolution over all of it).
         ``attrs``: ``peak_to_peak`` [rad], ``peak_to_peak_length`` [m], ``ratio``,
         ``tooth_order``.
 
@@ -112,8 +117,8 @@ def speed_ripple(
     -------
     Dataset
         Over ``time``: ``speed`` [rad/s], ``ripple`` = speed / mean - 1. Over ``order``, cycles
-        per revolution of the sprocket: ``amplitude`` of the ripple. ``attrs``: ``mean``
-        [rad/s], ``rms``, ``peak_to_peak``, ``tooth_order``.
+        per revolution of the sprocket: ``amplitude`` of the ripple, as in `transmission_error`.
+        ``attrs``: ``mean`` [rad/s], ``rms``, ``peak_to_peak``, ``tooth_order``.
 
     Raises
     ------
@@ -180,7 +185,9 @@ def _mean_speed(result: Result, sprocket: Count, rows: slice) -> tuple[float, bo
 def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     """Return orders, per revolution, and the amplitude of `values` at each, over an angle [rad].
 
-    A linear drift is removed, then Hann's window is applied: a line covers three orders.
+    The last whole revolutions count, in which the orders of teeth are lines of the spectrum: beside
+    a line, amplitudes are up to 15 % low. Of less than one revolution, all of it counts. A linear
+    drift is removed, then Hann's window is applied: a line covers three orders of the spectrum.
     """
     from rustchain.extras import signal
 
@@ -193,7 +200,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
             "which it does"
         )
         raise InvalidInput(msg)
-    if len(turned) < 8 or not turned[-1] > 0.0:
+    if len(turned) < _FEWEST or not turned[-1] > 0.0:
         msg = (
             f"start, end: {counted(len(turned), 'rows')} over {turned[-1]:.3g} rad: too "
             "few for a spectrum of orders; take a longer part, or a smaller report_step"
@@ -201,12 +208,15 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
         raise InvalidInput(msg)
     # A shaft that turns back for a moment is read in the order of its farthest angles.
     onward = np.maximum.accumulate(turned)
-    even = np.linspace(0.0, onward[-1], len(onward))
-    resampled = np.interp(even, onward, values)
-    rate = (len(even) - 1) * 2 * np.pi / onward[-1]
-    order, power = signal.periodogram(
-        resampled, rate, window="hann", detrend="linear", scaling="spectrum"
+    revolutions = np.floor(onward[-1] / (2 * np.pi) + _ROUNDING) or onward[-1] / (2 * np.pi)
+    span = 2 * np.pi * revolutions
+    count = max(round((len(onward) - 1) * span / onward[-1]), _FEWEST)
+    # Without its first angle, which is the last one of the revolution before.
+    even = onward[-1] - span * np.arange(count)[::-1] / count
+    _, power = signal.periodogram(
+        np.interp(even, onward, values), window="hann", detrend="linear", scaling="spectrum"
     )
+    order = np.arange(len(power)) / revolutions
     return order, np.sqrt(2.0 * power)
 
 
