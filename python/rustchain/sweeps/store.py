@@ -192,6 +192,8 @@ def load_sweep(store: FilePath) -> SweepResult:
     more have these as their axes, others are listed; `to_pandas` makes a table of both. Without a
     measure, results are read when they are accessed. An argument of the run, such as "duration", in
     which cases differ is a parameter of each case, unless a measured quantity has its name.
+    A case that several sweeps share has the parameters of the one that stored it: those of others
+    are missing in it, NaN in tables.
 
     Parameters
     ----------

@@ -255,11 +255,10 @@ def study(
         raise InvalidInput(msg)
     check_columns(names, _OF_TABLES)
     check_burn_in(burn_in, duration, cases_of(grid)[1])
-    known = (*names, "replicate", *_OF_TABLES)
     found = sweep(
         scene,
         {**grid, "replicate": range(runs)},
-        partial(_numbers, of=measure, burn_in=burn_in, taken=known),
+        partial(_numbers, of=measure, burn_in=burn_in),
         duration=duration,
         report_step=report_step,
         record=record,
@@ -276,9 +275,13 @@ def study(
 
 
 def _numbers(
-    result: Result, *, of: Callable[[Result], Any] | None, burn_in: Number, taken: tuple[str, ...]
+    result: Result, *, of: Callable[[Result], Any] | None, burn_in: Number
 ) -> dict[str, Any]:
-    """Return the measured values of a run after the burn-in [s], under names not `taken`."""
+    """Return the measured values of a run after the burn-in [s].
+
+    The sweep refuses names of parameters. As arguments of this function they would be part of a
+    stored case's identity: with a further axis, all cases would run again.
+    """
     if of is None:
-        return numbers_of(result.summary(start=burn_in), taken)
-    return numbers_of(of(result.between(start=burn_in)), taken)
+        return numbers_of(result.summary(start=burn_in), _OF_TABLES)
+    return numbers_of(of(result.between(start=burn_in)), _OF_TABLES)

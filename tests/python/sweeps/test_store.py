@@ -252,6 +252,14 @@ def test_studies_and_loss_maps_have_stores_too(tmp_path):
     assert len(list(tmp_path.iterdir())) == 4
 
 
+def test_a_further_axis_of_a_study_leaves_its_stored_cases(tmp_path):
+    given = {"runs": 2, "duration": 2e-4, "burn_in": 1e-4, "progress": False, "store": tmp_path}
+    rc.study(PAPER, Counted(), axes={"pretension": [0, 25]}, **given)
+    speed = PAPER.sprockets[0].motion.speed
+    rc.study(PAPER, Counted(), axes={"pretension": [0, 25], "speed": [speed, 10.0]}, **given)
+    assert len(list(tmp_path.iterdir())) == 8
+
+
 def pushed(factor):
     """A body that a Python function pushes."""
     mechanism = rc.Mechanism(gravity=(0.0, 0.0))
