@@ -12,6 +12,7 @@ from rustchain.cli.common import misuse
 from rustchain.errors import InvalidInput
 from rustchain.extras import typer
 from rustchain.names import suggest
+from rustchain.sweeps.running import cores
 
 _WORDS = ("threads", "processes", "loky", "dask", "mpi")
 
@@ -41,7 +42,7 @@ def executor_of(text: str) -> Iterator[dict[str, Any]]:
     elif kind == "threads":
         yield {"threads": _count(text, more)}
     else:
-        yield from _pool(kind, _count(text, more) or os.cpu_count() or 1)
+        yield from _pool(kind, _count(text, more) or cores())
 
 
 def _dask(address: str) -> Iterator[dict[str, Any]]:

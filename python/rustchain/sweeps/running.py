@@ -58,10 +58,16 @@ Running: TypeAlias = Generator["tuple[Case, Outcome] | None", None, None]
 """Cases as they end; None now and then, for Ctrl-C."""
 
 
+def cores() -> int:
+    """Return the number of cores that this process may use: in a job of a cluster, not all."""
+    allowed = getattr(os, "sched_getaffinity", None)  # on Linux
+    return (os.cpu_count() or 1) if allowed is None else len(allowed(0))
+
+
 def number_of_threads(threads: object) -> int:
     """Return the number of threads; None: as many as there are cores."""
     if threads is None:
-        return os.cpu_count() or 1
+        return cores()
     return count_within("threads", threads, 1, _MOST_THREADS)
 
 

@@ -104,7 +104,7 @@ def sweep(
         As in `Simulation.run`, for each case: one that a condition stops counts as finished, with
         that status. A callback is called in the thread of its case, several at once.
     threads : int, optional
-        How many cases run at once; by default as many as there are cores.
+        How many cases run at once; by default as many as there are cores that this process may use.
     executor : Executor or Client of Dask, optional
         Where the cases run: an executor of `concurrent.futures`, loky or `mpi4py.futures`, or
         ``dask.distributed.Client(...)``. It stays open. By default threads of this process.

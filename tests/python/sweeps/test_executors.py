@@ -16,6 +16,7 @@ import pytest
 
 import rustchain as rc
 from rustchain.cli.executors import executor_of
+from rustchain.sweeps.running import number_of_threads
 
 PAPER = rc.paper_drive()
 SHORT = {"duration": 5e-3, "progress": False}
@@ -167,6 +168,16 @@ def test_a_lambda_that_cannot_be_sent_is_told():
     said = "cannot be sent to another process"
     with ProcessPoolExecutor(1) as pool, pytest.raises(rc.InvalidInput, match=said):
         rc.sweep(PAPER, {"speed": [10.0, 11.0]}, lambda r: r.time, executor=pool, **SHORT)
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="not on this system")
+def test_by_default_as_many_cases_run_at_once_as_the_process_may_use_cores():
+    allowed = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(allowed)})
+    try:
+        assert number_of_threads(None) == 1
+    finally:
+        os.sched_setaffinity(0, allowed)
 
 
 def test_what_runs_nothing_is_refused():
