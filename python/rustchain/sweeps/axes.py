@@ -156,8 +156,8 @@ def case_of(system: System, run: Parameters, parameters: Parameters) -> tuple[Sc
     if of_scene:
         paths = {tuple(_target(name).split(".")): value for name, value in of_scene.items()}
         of_laws = {path: value for path, value in paths.items() if path[0] in _OTHER_LAWS}
-        rest = {path: value for path, value in paths.items() if path not in of_laws}
-        scene = _replaced(scene, rest, "scene")
+        others = {path: value for path, value in paths.items() if path not in of_laws}
+        scene = _replaced(scene, others, "scene")
         for law in _OTHER_LAWS:  # a field of a law that is by default that of all contacts
             if any(path[0] == law and len(path) > 1 for path in of_laws):
                 of_law: dict[str, Any] = {law: getattr(scene, law) or scene.force_law}
