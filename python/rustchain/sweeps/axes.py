@@ -44,6 +44,7 @@ _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
 _SCENE_FIELDS = tuple(field.name for field in dataclasses.fields(Scene)[1:])  # beside the system
 _LAW_FIELDS = tuple(name for name in field_names(Scene) if "_law." in name)
 _OTHER_LAWS = ("hinge_law", "tooth_law")
+_OTHER_NAMES = {"min_approach_speed": "min_impact_velocity"}  # as keywords of Scene and Simulation
 RUN_FIELDS = ("duration", "report_step", "record", "energy")
 _SHORTHANDS = ("replicate", "pretension", "speed")
 _DISTURBANCE = 1e-4  # of a speed at the start
@@ -287,12 +288,12 @@ def _target(name: str) -> str:
     """Return the dotted name of what a parameter changes."""
     if name in _SOLVER_FIELDS:
         return f"solver.{name}"
-    return "tensioner.pretension" if name == "pretension" else str(name)
+    return "tensioner.pretension" if name == "pretension" else _OTHER_NAMES.get(name, str(name))
 
 
 def _in_scene(name: str) -> bool:
     """Return whether a name is that of a field of the scene or of one of its parts."""
-    return str(name).split(".")[0] in _SCENE_FIELDS
+    return _OTHER_NAMES.get(name, str(name)).split(".")[0] in _SCENE_FIELDS
 
 
 def _first_twice(names: list[str]) -> str | None:

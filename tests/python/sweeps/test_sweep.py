@@ -319,6 +319,14 @@ def test_a_field_of_one_law_changes_the_law_of_the_case():
     ]
 
 
+def test_the_other_name_of_a_keyword_is_a_parameter():
+    axes = {"min_approach_speed": [1e-3, 2e-3]}
+    swept = rc.sweep(PAPER, axes, lambda r: r.min_impact_velocity, duration=1e-4)
+    assert swept.values == [1e-3, 2e-3]
+    with pytest.raises(rc.InvalidInput, match="'min_impact_velocity' is there twice"):
+        rc.sweep(PAPER, axes | {"min_impact_velocity": [1e-3]})
+
+
 def test_the_parts_of_sequences_count_from_1_as_results_do():
     swept = rc.sweep(
         PAPER,
