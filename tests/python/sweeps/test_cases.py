@@ -102,6 +102,8 @@ def test_an_argument_with_the_name_of_a_column_is_refused(axes, name):
 def test_an_argument_with_the_name_of_a_column_of_studies_is_refused(name):
     with pytest.raises(rc.InvalidInput, match=f"axes: '{name}' is the name of another column"):
         rc.study(drive_of, place, axes={name: [1, 2]}, burn_in=0.0, **BRIEF)
+    with pytest.raises(rc.InvalidInput, match=f"axes: '{name}' is no parameter"):
+        rc.study(PAPER, place, axes={name: [1, 2]}, burn_in=0.0, **BRIEF)
 
 
 @pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol", "halton"])
