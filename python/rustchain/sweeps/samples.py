@@ -75,7 +75,7 @@ def samples(
             raise InvalidInput(msg)
         try:
             values = np.asarray(quantile(place), dtype=float)
-            single = np.ndim(quantile(0.5)) == 0
+            single = np.shape(quantile(place[:1])) == (1,)
             # Classes such as stats.Binomial have no base of their own; pmf is 0 of continuous ones.
             discrete = isinstance(getattr(distribution, "dist", distribution), stats.rv_discrete)
             if not discrete and hasattr(distribution, "pmf"):
