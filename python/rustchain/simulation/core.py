@@ -9,7 +9,6 @@ import numpy as np
 
 from rustchain import _rustchain
 from rustchain.caller import warn_caller
-from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.description.scene import Scene
@@ -50,28 +49,36 @@ def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
     core = _rustchain.Core(scene, **place)
     for text in implausible_inputs(scene):
         warn_caller(text)
-    if scene.drive.hinges == "ideal" and place["positions"] is not None:
-        _tell_of_changes(scene.drive, core, place)
+    for text in changes_of_start(scene, place, (core.positions, core.velocities)):
+        warn_caller(text)
     return core
 
 
-def _tell_of_changes(drive: ChainDrive, core: _rustchain.Core, place: Mapping[str, Any]) -> None:
-    """Warn where the start had to be changed much to close ideal hinges."""
-    moved = core.positions - place["positions"]
+def changes_of_start(
+    scene: Scene, place: Mapping[str, Any], begun: tuple[Array, Array]
+) -> list[str]:
+    """Return what was changed much at the start of a drive to close its ideal hinges.
+
+    `place` is what the start was given as; `begun` are positions and velocities at its beginning.
+    """
+    if scene.drive.hinges != "ideal" or place["positions"] is None:
+        return []
+    found = []
+    moved, changed = begun[0] - place["positions"], begun[1] - place["velocities"]
     farthest = np.hypot(moved[:, 0], moved[:, 1]).max()
-    if farthest > _FAR * drive.chain.pitch:
-        warn_caller(
+    if farthest > _FAR * scene.drive.chain.pitch:
+        found.append(
             f"positions: links had to be moved by up to {farthest:.3e} m to close the ideal "
             "hinges: is each link placed where its hinges meet?"
         )
     given = np.hypot(place["velocities"][:, 0], place["velocities"][:, 1]).max()
-    changed = core.velocities - place["velocities"]
     fastest = np.hypot(changed[:, 0], changed[:, 1]).max()
     if fastest > _FAST * given:
-        warn_caller(
+        found.append(
             f"velocities: those of links had to be changed by up to {fastest:.3e} m/s to keep the "
             "ideal hinges closed: does each hinge have one velocity?"
         )
+    return found
 
 
 def _array(rows: object) -> Array | None:

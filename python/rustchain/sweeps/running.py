@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from functools import partial
 from itertools import islice
 from queue import Empty, SimpleQueue
@@ -15,7 +15,7 @@ from rustchain.arguments import count_within, shown
 from rustchain.caller import warn_caller
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.errors import InvalidInput, SimulationError
-from rustchain.simulation.core import start_of
+from rustchain.simulation.core import changes_of_start, start_of
 from rustchain.simulation.recording import Recording
 from rustchain.simulation.run import (
     WALL_BUDGET,
@@ -94,14 +94,18 @@ def _run_in_pool(
     cases: list[Case], measure: Measure | None, threads: int | None, bar: Bar, told: set[str]
 ) -> Running:
     """Run cases in the compiled pool; warn of inputs that are implausible unless it was `told`."""
+
+    def warn(texts: Iterable[str]) -> None:
+        for text in texts:
+            if text not in told:
+                warn_caller(text)
+                told.add(text)
+
     ready, compiled = [], []
     for case in cases:
         try:
             made = _compiled(case)
-            for text in implausible_inputs(case.scene):
-                if text not in told:
-                    warn_caller(text)
-                    told.add(text)
+            warn(implausible_inputs(case.scene))
             compiled.append(made)
             ready.append(case)
         except Exception as error:  # what is refused
@@ -119,6 +123,8 @@ def _run_in_pool(
                     yield None
             place, run, failure = fetched
             case = ready[place]
+            if run is not None and case.scene.positions is not None:
+                warn(changes_of_start(case.scene, start_of(case.scene)[0], run[1]))
             yield case, _fetched(case, run, failure, measure)
     finally:
         ensemble.close()

@@ -861,6 +861,17 @@ def test_positions_and_velocities_of_ones_own_are_keywords_and_parameters():
     np.testing.assert_array_equal(same.values[0].final_positions, alone.final_positions)
 
 
+def test_a_start_that_ideal_hinges_change_is_told_once_as_by_a_single_run():
+    drive = replace(PAPER, hinges="ideal")
+    made = rc.Simulation(drive)
+    moved = made.positions.copy()
+    moved[3, 1] += 1e-3
+    scene = rc.Scene(drive, positions=moved, velocities=made.velocities)
+    with pytest.warns(UserWarning, match=r"links had to be moved by up to 7\.\d+e-04 m") as caught:
+        rc.sweep(scene, {"rtol": [1e-5, 1e-6]}, duration=1e-4, progress=False)
+    assert len(caught) == 1
+
+
 def test_a_start_that_is_none_is_refused():
     with pytest.raises(rc.InvalidInput, match="start = 'rest': must be 'generated' or 'static'"):
         rc.sweep(PAPER, {"start": ["rest"]}, progress=False)
