@@ -37,7 +37,8 @@ pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
     let (number, time) = (first.sprocket + 1, first.time);
     Some(format!(
         "the chain jumped {} {teeth}, first on sprocket {number} at t = {time:.6} s: outputs that need a \
-         seated chain do not hold there; raise the pretension or lower the load, see Result.tooth_jumps",
+         seated chain do not hold there; raise the pretension, lower the load or, where the tensioner force was still growing, begin with \
+         start='static'; see Result.tooth_jumps",
         jumps.len()
     ))
 }

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import Literal, cast, get_args
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal, cast, get_args
 
 from rustchain.arguments import finite_number, plain, rows_of, shown
 from rustchain.description.base import Description
@@ -16,6 +16,10 @@ from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
 from rustchain.typing import Rows
+
+if TYPE_CHECKING:
+    from rustchain.description.mechanism.report import MechanismReport
+    from rustchain.description.report import DriveReport
 
 Start = Literal["generated", "static"]
 Kind = Literal["drive", "mechanism"]
@@ -120,6 +124,18 @@ class Scene(Description):
             "are of a ChainDrive only; a mechanism has body(name), joint(name) and contact(name)"
         )
         raise InvalidInput(msg)
+
+    def check(self) -> DriveReport | MechanismReport:
+        """Return the report of the drive's layout, or of the mechanism's assembly.
+
+        With ``start="static"`` the tensioner has its full force from the start, and the report has
+        no warning about its ramp.
+        """
+        system = self.system
+        if isinstance(system, ChainDrive) and self.start == "static" and system.tensioner:
+            full = replace(system, tensioner=replace(system.tensioner, ramp_time=0.0))
+            return replace(full.check(), drive=system)
+        return system.check()
 
     @property
     def name(self) -> str:

@@ -68,7 +68,7 @@ class SceneFile:
     def check(self) -> DriveReport | MechanismReport:
         """Return the report of the drive or mechanism; errors have their place in the file."""
         with self._errors_located("drive" if self.scene.kind != "mechanism" else "mechanism"):
-            return self.scene.system.check()
+            return self.scene.check()
 
     def simulate(self) -> Simulation:
         """Return the simulation, at its start."""

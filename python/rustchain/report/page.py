@@ -116,7 +116,7 @@ def _anchor(title: str) -> str:
 def _warnings(result: Result) -> str:
     """Return the warnings of the scene and of the run."""
     try:
-        found = list(result.scene.system.check().warnings)
+        found = list(result.scene.check().warnings)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             Simulation(result.scene)

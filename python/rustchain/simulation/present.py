@@ -89,7 +89,7 @@ class Present(OfScene):
 
     def check(self) -> DriveReport | MechanismReport:
         """Return the report of the drive's layout, or of the mechanism's assembly."""
-        return self.scene.system.check()
+        return self.scene.check()
 
     def state(self) -> dict[str, Any]:
         """Return the complete state, for `set_state`.
