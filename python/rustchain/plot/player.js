@@ -384,6 +384,7 @@
         last = now;
         redraw();
       }
+      if (!root.clientWidth) return;  // hidden, as on paper: a canvas has no pixels; the observer draws when it is shown
       slider.value = place(state.time)[0];
       readout.textContent = `${(1e3 * state.time).toFixed(2)} ms`;
       drawStage();

@@ -60,6 +60,8 @@ def check_options(path: Path, breaking_load: float | None, kind: str) -> None:
     """Refuse options of a report on a scene of a kind that are out of their ranges."""
     if path.suffix.lower() not in (".html", ".htm"):
         msg = f"path = {str(path)!r}: ends in {path.suffix!r}; expected .html"
+        if path.suffix.lower() == ".pdf":
+            msg += ": a browser prints the page to PDF"
         raise InvalidInput(msg)
     if breaking_load is None:
         return

@@ -306,7 +306,7 @@ def test_a_breaking_load_can_be_given(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ({"path": "run.pdf"}, "ends in '.pdf'; expected .html"),
+        ({"path": "run.pdf"}, "ends in '.pdf'; expected .html: a browser prints the page to PDF"),
         ({"path": "run.html", "breaking_load": -1.0}, "expected a positive number in N"),
         ({"path": "run.html", "start": 3.0}, "no rows there"),
     ],
@@ -337,6 +337,18 @@ def test_on_a_phone_only_tables_and_figures_scroll_sideways(path):
     with opened(path, viewport={"width": 390, "height": 844}) as page:
         ready(page)
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_it_prints_without_the_player_and_without_tables_cut_off(path):
+    with opened(path, viewport={"width": 700, "height": 1000}) as page:
+        ready(page)
+        page.emulate_media(media="print")
+        assert not page.is_visible("#motion")
+        kept = "getComputedStyle(document.querySelector('#plots h3')).breakAfter"
+        assert page.evaluate(kept) == "avoid"
+        widest = "Math.max(...[...document.querySelectorAll('table')].map(t => t.scrollWidth))"
+        assert page.evaluate(widest) <= 700
+        page.wait_for_timeout(100)  # for a frame of the hidden player, which draws nothing
 
 
 def test_a_report_has_the_colours_of_its_page_whatever_the_theme(result, tmp_path):
