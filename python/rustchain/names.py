@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
 from itertools import accumulate
-from typing import Any, TypeVar, overload
+from typing import Any, TypeVar, get_args, overload
 
 DISTRIBUTION = "rustchain-dynamics"
 """Name in the package index, where ``rustchain`` is another project's."""
@@ -85,10 +86,11 @@ def known_keywords(target: Any = None, /, **other_names: str) -> Any:
 
 def _known_keywords(target: _Target, other_names: Mapping[str, str]) -> _Target:
     if isinstance(target, type):
-        checked = _checked(target.__init__, target.__name__, other_names)  # type: ignore[misc]
+        elsewhere = getattr(target, "_elsewhere", {})
+        checked = _checked(target.__init__, target.__name__, other_names, elsewhere)  # type: ignore[misc]
         target.__init__ = checked  # type: ignore[misc]
         return target
-    return _checked(target, target.__name__, other_names)
+    return _checked(target, target.__name__, other_names, {})
 
 
 @functools.cache
@@ -114,8 +116,25 @@ def _field_of_returned(function: Callable[..., object], keyword: str) -> str | N
     return f"it is a field of {kind.__name__}: dataclasses.replace({name}, {keyword}=...)"
 
 
-def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _Target:
-    """Wrap `function` so that unknown keywords raise before it is called."""
+def _field_of_scene(function: Callable[..., object], keyword: str) -> str | None:
+    """Return how to set a field of the scene that a function takes; None: it has none."""
+    made: Any = inspect.unwrap(function)
+    words = re.findall(r"\w+", str(made.__annotations__.get("scene", "")))
+    kinds = [kind for word in words if (kind := made.__globals__.get(word)) is not None]
+    kinds += [kind for union in kinds for kind in get_args(union)]
+    scenes = (kind for kind in kinds if getattr(kind, "__name__", "") == "Scene")
+    if not any(keyword in kind.__dataclass_fields__ for kind in scenes):
+        return None
+    return f"it is a field of the scene: {made.__name__}(rc.Scene(drive, {keyword}=...), ...)"
+
+
+def _checked(
+    function: _Target, name: str, other_names: Mapping[str, str], elsewhere: Mapping[str, str]
+) -> _Target:
+    """Wrap `function` so that unknown keywords raise before it is called.
+
+    `elsewhere` has the remedy for keywords that belong to another object.
+    """
 
     @functools.wraps(function)
     def checked(*args: Any, **keywords: Any) -> object:  # noqa: ANN401
@@ -127,7 +146,12 @@ def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _T
         for keyword in keywords:
             known = _keywords(function)
             if known is not None and keyword not in known:
-                remedy = _field_of_returned(function, keyword) or suggest(keyword, known)
+                remedy = (
+                    elsewhere.get(keyword)
+                    or _field_of_returned(function, keyword)
+                    or _field_of_scene(function, keyword)
+                    or suggest(keyword, known)
+                )
                 msg = f"{name}() has no argument {keyword!r}; {remedy}"
                 raise TypeError(msg)
         return function(*args, **keywords)

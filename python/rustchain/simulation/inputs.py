@@ -12,6 +12,8 @@ from rustchain.parts import place_of, position_of
 
 Quantity = Literal["speed", "torque"]
 
+_DRIVER, _TORQUE = "driver described by its speed", "applied torque"
+
 
 def part_of(system: ChainDrive | Mechanism, part: object, quantity: Quantity) -> str | int:
     """Return the part as the compiled module takes it: the number of a sprocket, or a name.
@@ -24,7 +26,10 @@ def part_of(system: ChainDrive | Mechanism, part: object, quantity: Quantity) ->
     try:
         return _known_part(system, part, quantity)
     except NoSuchPart as error:
-        raise NoSuchPart(f"part: {error}") from None
+        told = str(error)
+        for kind in ("sprocket", _DRIVER, _TORQUE):  # the message has it once more
+            told = told.removeprefix(f"{kind}: ")
+        raise NoSuchPart(f"part: {told}") from None
 
 
 def _known_part(system: ChainDrive | Mechanism, part: object, quantity: Quantity) -> str | int:
@@ -35,10 +40,10 @@ def _known_part(system: ChainDrive | Mechanism, part: object, quantity: Quantity
         names = [f"sprocket_{number}" for number, _ in enumerate(system.sprockets, 1)]
         return place_of("sprocket", part, names) + 1
     if quantity == "speed":
-        kind, names = "driver described by its speed", [joint.name for joint in system.joints]
+        kind, names = _DRIVER, [joint.name for joint in system.joints]
         known = [j.name for j in system.joints if j.kind.startswith("driven") and j.by_speed]
     else:
-        kind, names = "applied torque", [force.name for force in system.forces]
+        kind, names = _TORQUE, [force.name for force in system.forces]
         known = [force.name for force in system.forces if force.kind == "torque"]
     # Of a part of another kind, the compiled module says which one it is.
     known = names if isinstance(part, str) and part in names else known

@@ -17,7 +17,7 @@ from rustchain.description.scene import Scene, Start
 from rustchain.description.signals import Signal, refuse_functions
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
+from rustchain.names import known_keywords, named_attributes
 from rustchain.results.result import Result
 from rustchain.simulation.core import core_of, start_of
 from rustchain.simulation.inputs import Quantity, part_of
@@ -36,6 +36,7 @@ from rustchain.simulation.stop import StopCondition, looks_of
 from rustchain.typing import Count, FilePath, Number
 
 
+@named_attributes
 @known_keywords(min_approach_speed="min_impact_velocity")
 class Simulation(Present):
     """The simulation of a scene: of a chain drive or a mechanism.

@@ -87,8 +87,14 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         "Coulomb" | "LuGre" => friction_law(object, "").map(drop)?,
         "LubricantFilm" => film(object, "").map(drop)?,
         kind => {
+            let remedy = if object.getattr_opt("elastic_force")?.is_some() {
+                "; expected one of the force laws of the package, such as Hertz(): a law of your own is possible as \
+                 Mechanism.add_callable only"
+            } else {
+                ""
+            };
             return Err(InvalidInput::new_err(format!(
-                "{kind} is not a description that this version knows"
+                "{kind} is not a description that this version knows{remedy}"
             )));
         }
     }

@@ -79,6 +79,35 @@ def test_a_keyword_that_is_a_field_of_what_a_function_returns_is_told_with_the_r
         rc.catalogue_chain("ANSI 40", 60, elongation=0.01)
 
 
+@pytest.mark.parametrize("function", [rc.sweep, rc.study, rc.loss_map])
+def test_a_keyword_that_is_a_field_of_the_scene_is_told_with_the_remedy(function):
+    name = function.__name__
+    said = rf"'start'; it is a field of the scene: {name}\(rc\.Scene\(drive, start=\.\.\.\)"
+    with pytest.raises(TypeError, match=said):
+        function(rc.paper_drive(), start="static")
+
+
+def test_what_a_force_law_takes_from_the_material_is_told():
+    with pytest.raises(TypeError, match="'restitution'; it is a field of Material"):
+        rc.LankaraniNikravesh(restitution=0.5)
+    with pytest.raises(TypeError, match="did you mean 'damping'"):
+        rc.LankaraniNikravesh(dampin=None)
+
+
+def test_a_force_law_of_ones_own_is_refused_with_the_remedy():
+    class Own(rc.ForceLaw):
+        """A law in Python."""
+
+    for law in (Own, rc.ForceLaw):
+        with pytest.raises(rc.InvalidInput, match=r"one of the force laws .*add_callable"):
+            law()
+
+
+def test_an_unknown_attribute_of_a_simulation_is_answered_with_the_nearest_name():
+    with pytest.raises(AttributeError, match="did you mean 'velocities'"):
+        rc.Simulation(rc.paper_drive()).velocity  # noqa: B018
+
+
 def test_a_chain_that_is_not_listed_is_answered_with_the_nearest():
     with pytest.raises(rc.InvalidInput, match="did you mean 'ANSI 40'"):
         rc.two_sprocket_drive(chain="ASA 40", links=60)

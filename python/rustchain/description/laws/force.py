@@ -68,6 +68,12 @@ class ForceLaw(Description):
         ]
     ]
 
+    # What a law takes from the surfaces in contact.
+    _elsewhere: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("material", "restitution", "elastic_modulus", "poisson_ratio"),
+        "it is a field of Material: the chain or a SurfaceContact has one",
+    )
+
     damping: Damping | None = None
     regions: Regions = "kept"
     friction: Coulomb | LuGre | None = field(default=None, kw_only=True)
