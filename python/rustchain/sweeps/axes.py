@@ -186,6 +186,8 @@ def _drive_with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
     """Return `drive` with other fields, all changed at once."""
     seed = changes.get("replicate", 0)
     changes = {name: value for name, value in changes.items() if name != "replicate"}
+    if changes.get("pretension", 0) is None:  # no tensioner, as in the generators
+        changes["pretension"] = 0
     fields = {tuple(_target(name).split(".")): value for name, value in changes.items()}
     if isinstance(chain := changes.get("chain"), str):
         fields["chain",] = catalogue_chain(chain, drive.chain.links)

@@ -67,8 +67,8 @@ def sweep(
     What a parameter may be called:
 
     - an argument of `scene`, where that is a function: it goes there, before all else;
-    - "pretension" [N]: makes, changes or (0 N) removes the tensioner; "speed" [rad/s]: that of the
-      driver;
+    - "pretension" [N]: makes, changes or (0 N or None) removes the tensioner; "speed" [rad/s]: that
+      of the driver;
     - "replicate": a seed; every sprocket without a prescribed speed, and every body of a mechanism
       that moves, starts at random up to 1e-4 of its speed faster or slower, a sprocket below 0.1
       rad/s up to 1e-5 rad/s; 0: none does;

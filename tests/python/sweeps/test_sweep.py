@@ -277,6 +277,7 @@ def test_pretension_makes_changes_and_removes_the_tensioner():
         return [v[0] for v in rc.sweep(drive, axes, tensioner, duration=1e-4).values]
 
     assert swept(PAPER, {"pretension": [0, 25]}) == [None, rc.Tensioner(25.0)]
+    assert swept(rc.paper_drive(25.0), {"pretension": [None, 5.0]}) == [None, rc.Tensioner(5.0)]
     own = rc.Tensioner(10.0, sprocket=1, ramp_time=0.2, direction=(-1.0, 0.0))
     tight = replace(PAPER, tensioner=own)
     assert swept(tight, {"pretension": [0.0, 25]}) == [None, replace(own, pretension=25)]
