@@ -35,7 +35,10 @@ pub enum Signal {
 }
 
 /// Longest step inside a smooth step, as a fraction of its duration.
-const PART_OF_RISE: f64 = 0.125;
+///
+/// The path of a driver is then a polynomial, which long steps integrate exactly: the error estimate does not shorten them. The power of the
+/// driver has twice the degree: with steps of an eighth its work had an error of 0.8 %.
+const PART_OF_RISE: f64 = 0.03125;
 /// Longest step along a sine, as a fraction of its period.
 const PART_OF_PERIOD: f64 = 0.25;
 
@@ -353,8 +356,8 @@ mod tests {
             to: 1.0,
         };
         assert_eq!(rise.longest_step(0.25), 0.75);
-        assert!((rise.longest_step(1.0 - 1e-16) - 0.1).abs() < 1e-12);
-        assert!((rise.longest_step(1.75) - 0.05).abs() < 1e-12);
+        assert!((rise.longest_step(1.0 - 1e-16) - 0.025).abs() < 1e-12);
+        assert!((rise.longest_step(1.79) - 0.01).abs() < 1e-12);
         assert_eq!(rise.longest_step(1.8), f64::INFINITY);
         let pulse = Table::new("x", "m", &[(1.0, 0.0), (1.001, 5.0), (1.002, 0.0)]).unwrap();
         let pulse = Signal::Table(pulse);

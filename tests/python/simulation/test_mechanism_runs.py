@@ -232,6 +232,20 @@ def test_what_a_contact_dissipates_while_it_lets_go_stays_dissipated(law):
     assert np.diff(energy.dissipated).min() > -1e-5 * loss
 
 
+@pytest.mark.parametrize("kind", ["angle", "speed"])
+@pytest.mark.parametrize("method", ["pece", "newton"])
+def test_the_work_of_a_driver_over_a_smooth_step_does_not_need_a_tolerance(kind, method):
+    """The prescribed motion is integrated exactly: its error estimate shortens no step."""
+    m = rc.Mechanism(gravity=(0.0, 0.0))
+    m.add_body("wheel", 1.0, 0.1)
+    m.add_revolute("axle", "ground", "wheel", at=(0.0, 0.0))
+    m.add_driver("motor", "ground", "wheel", **{kind: rc.SmoothStep(0.1, 0.2, 0.0, 1.0)})
+    solver = rc.Solver(method=method, max_step=0.01)
+    energy = rc.Simulation(m, solver=solver).run(0.3, 1e-3, progress=False).energy
+    # Measured: 8e-3 of the exchanged energy with steps of an eighth, 1e-5 with those of a 32nd.
+    assert np.abs(energy.residual).max() < 5e-5 * np.ptp(energy.kinetic)
+
+
 def stop(simulation):
     """End the run shortly before the end of the step."""
     return simulation.time > 0.00295
