@@ -96,14 +96,12 @@ impl MechanismDynamics {
         })
     }
 
-    /// Return the largest load on a body by its weight or a force element at the last evaluation \[N\]; moments are divided by the
-    /// `lengths` of the angles.
-    pub(crate) fn largest_load(&self, lengths: &[f64]) -> f64 {
+    /// Return of each body the largest load by its weight, a force element or a contact at the last evaluation \[N\], zero where it is
+    /// fixed; moments of force elements are divided by the `lengths` of the angles.
+    pub(crate) fn loads_by_body(&self, lengths: &[f64]) -> Vec<f64> {
         let model = &self.model;
-        let weights = model.first.iter().zip(&model.bodies);
-        let weights = weights.filter(|(first, _)| first.is_some());
-        let weights = weights.map(|(_, body)| body.mass * model.gravity.norm());
-        let mut largest = weights.fold(0.0, f64::max);
+        let weight = model.gravity.norm();
+        let mut largest: Vec<f64> = model.bodies.iter().map(|body| body.mass * weight).collect();
         let mut loads = BodyLoads::new(model.bodies.len(), 0);
         for force in &model.forces {
             for body in [force.a.body, force.b.body] {
@@ -111,20 +109,27 @@ impl MechanismDynamics {
             }
             force.add(0.0, &self.frames, &mut loads);
             for body in [force.a.body, force.b.body] {
-                largest = largest.max(self.size_of_load(lengths, body, loads.on[body]));
+                largest[body] = largest[body].max(self.size_of_load(lengths, body, loads.on[body]));
             }
         }
+        for (contact, push) in model.contacts.iter().zip(self.contacts.pushes(model)) {
+            for body in [contact.a.body, contact.b.body] {
+                largest[body] = largest[body].max(push.norm());
+            }
+        }
+        let fixed = largest.iter_mut().zip(&model.first);
+        fixed.for_each(|(load, first)| *load = first.map_or(0.0, |_| *load));
         largest
     }
 
-    /// Return the largest reaction of a constraint on a body at the last evaluation \[N\], as of [`Self::largest_load`].
-    pub(crate) fn largest_reaction(&self, lengths: &[f64]) -> f64 {
+    /// Return of each body the largest reaction of a constraint at the last evaluation \[N\], as of [`Self::loads_by_body`].
+    pub(crate) fn reactions_by_body(&self, lengths: &[f64]) -> Vec<f64> {
         let constraints = &self.constraints;
-        let mut largest: f64 = 0.0;
+        let mut largest: Vec<f64> = vec![0.0; self.model.bodies.len()];
         for (row, lambda) in constraints.rows.iter().zip(&constraints.multipliers) {
             for (&body, part) in row.bodies.iter().zip(&row.jacobian) {
                 let load = part.map(|part| lambda * part);
-                largest = largest.max(self.size_of_load(lengths, body, load));
+                largest[body] = largest[body].max(self.size_of_load(lengths, body, load));
             }
         }
         largest

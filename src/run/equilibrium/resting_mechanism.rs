@@ -22,6 +22,8 @@ const LARGEST_TURN: f64 = 0.1;
 const CONTACT_SHARE: f64 = 0.2;
 /// The same in the second attempt.
 const SHORT_CONTACT_SHARE: f64 = 0.02;
+/// Ratio of unbalanced forces from which on a step of the second attempt is taken back: its circles were pressed too deep.
+const MOST_GROWTH: f64 = 10.0;
 /// Maximum number of iterations. A disc that 100 rad of a torsion spring hold takes 1020.
 const MOST_ITERATIONS: u32 = 20_000;
 /// Rotation or displacement, in sizes of the mechanism, from which on a body without equilibrium counts as moved without end.
@@ -121,7 +123,7 @@ impl RestingMechanism {
     /// Return a description of a singular position, where reactions exceed all loads.
     pub(super) fn singular(&self) -> Option<String> {
         let load = self.reference_force();
-        let reaction = self.dynamics.largest_reaction(&self.lengths);
+        let reaction = largest(self.dynamics.reactions_by_body(&self.lengths));
         (load > 0.0 && reaction > SINGULAR * load).then(|| {
             format!(
                 "joints bear {reaction:.1e} N under loads of {load:.1e} N, as in a stretched chain of bars, where no finite force is \
@@ -170,8 +172,20 @@ impl Resting for RestingMechanism {
     }
 
     fn reference_force(&self) -> f64 {
-        self.largest_contact_force()
-            .max(self.dynamics.largest_load(&self.lengths))
+        largest(self.dynamics.loads_by_body(&self.lengths))
+    }
+
+    /// Reactions count up to the largest load: they grow without limit near a singular position.
+    fn is_balanced_by_body(&self, tolerance: f64) -> bool {
+        let loads = self.dynamics.loads_by_body(&self.lengths);
+        let reactions = self.dynamics.reactions_by_body(&self.lengths);
+        let most = largest(loads.iter().copied());
+        let own = loads.iter().zip(&reactions);
+        let own = own.map(|(load, reaction)| load.max(reaction.min(most)));
+        let mut bodies = self.dynamics.model.first.iter().zip(own);
+        bodies.all(|(first, own)| {
+            first.is_none_or(|i| (i..i + 3).all(|i| self.force(i) <= tolerance * own))
+        })
     }
 
     /// Rotations are compared with a radian, displacements with the size of the mechanism, each with the largest position.
@@ -217,6 +231,17 @@ impl Resting for RestingMechanism {
             }
         }
         regular
+    }
+
+    fn follows_forces(&self, step: &[f64]) -> bool {
+        let model = &self.dynamics.model;
+        let forces = model.mass.iter().zip(&self.dynamics.accelerations);
+        let work = forces.zip(step).map(|((m, a), step)| m * a * step);
+        work.sum::<f64>() > 0.0
+    }
+
+    fn most_growth(&self) -> f64 {
+        MOST_GROWTH
     }
 
     fn excess(&mut self, step: &[f64], second: bool) -> f64 {

@@ -4,7 +4,7 @@
 const FIRST_GAMMA: f64 = 3e-5;
 /// Shortest γ \[s\].
 const SHORTEST_GAMMA: f64 = 1e-6;
-/// Factor of γ after a singular matrix, a step that is not finite, or a step that the constraints do not permit.
+/// Factor of γ after a singular matrix, a step that is not finite or against the forces, or one that the constraints do not permit.
 const GAMMA_AFTER_FAILURE: f64 = 0.25;
 /// Factor of γ after a full step whose residual is not [`TOLERATED_GROWTH`] times the one before.
 const GAMMA_GROWTH: f64 = 1.5;
@@ -34,6 +34,8 @@ const TOLERANCE_OF_ROUNDING: f64 = 1e-3;
 const SOUGHT: f64 = 0.1;
 /// Maximum number of refinement iterations; rounding may prevent their success.
 const MOST_REFINEMENTS: u32 = 50;
+/// The same where light bodies beside heavy ones are not in balance by their own loads. A pendulum turns by up to 0.1 rad in each.
+const MOST_REFINEMENTS_BY_BODY: u32 = 300;
 
 /// System whose positions are iterated to static equilibrium.
 pub(super) trait Resting {
@@ -56,6 +58,12 @@ pub(super) trait Resting {
     /// position they grow beyond any load.
     fn reference_force(&self) -> f64;
 
+    /// Return whether the unbalanced force of each body is at most `tolerance` times its own largest load, which may be far below
+    /// [`Self::reference_force`].
+    fn is_balanced_by_body(&self, _tolerance: f64) -> bool {
+        true
+    }
+
     /// Return whether `step` is within the rounding of the positions.
     fn is_rounding(&self, _step: &[f64]) -> bool {
         false
@@ -72,6 +80,19 @@ pub(super) trait Resting {
 
     /// Write the step of backward Euler of length `gamma` \[s\] from rest at the last evaluation; return false for a singular matrix.
     fn find_step(&mut self, gamma: f64, step: &mut [f64]) -> bool;
+
+    /// Return whether the unbalanced forces do work along `step`.
+    ///
+    /// A step against them leads to an equilibrium that is unstable, such as that of a rod on its end. With a shorter γ the masses
+    /// determine the step, and it follows the forces.
+    fn follows_forces(&self, _step: &[f64]) -> bool {
+        true
+    }
+
+    /// Return the ratio of unbalanced forces from which on a step of the second attempt is taken back.
+    fn most_growth(&self) -> f64 {
+        f64::INFINITY
+    }
 
     /// Return the ratio of `step` to the largest permitted step, which is shorter in the second attempt.
     fn excess(&mut self, step: &[f64], second: bool) -> f64;
@@ -108,15 +129,23 @@ pub(super) fn settle(
     let mut gamma = FIRST_GAMMA;
     let mut residual = system.unbalanced();
     let begin = system.positions().to_vec();
-    let mut step = vec![0.0; begin.len()];
+    let (mut step, mut here) = (vec![0.0; begin.len()], begin.clone());
     let (mut renewals, mut refinements, mut iterations, mut second) = (0, 0, 0, false);
     let mut tolerance = TOLERANCE;
+    // Springs that relax leave no force to compare the rounding of their positions with, except that of the start.
+    let first = system.reference_force();
+    let permitted = |force: f64, tolerance: f64| {
+        let rounding = tolerance > TOLERANCE;
+        tolerance * if rounding { force.max(first) } else { force }
+    };
     loop {
-        let allowed = tolerance * system.reference_force();
+        let allowed = permitted(system.reference_force(), tolerance);
         let refines = residual <= allowed
-            && residual > SOUGHT * allowed
-            && refinements < MOST_REFINEMENTS
-            && iterations < system.most_iterations();
+            && iterations < system.most_iterations()
+            && (residual > SOUGHT * allowed && refinements < MOST_REFINEMENTS
+                || tolerance == TOLERANCE
+                    && refinements < MOST_REFINEMENTS_BY_BODY
+                    && !system.is_balanced_by_body(tolerance));
         refinements += u32::from(refines);
         if residual <= allowed && !refines {
             // The forces are in balance on the stored surfaces, which may differ from the present ones.
@@ -126,7 +155,7 @@ pub(super) fn settle(
                 system.store_surfaces();
                 residual = system.unbalanced();
             }
-            if !renews || residual <= tolerance * system.reference_force() {
+            if !renews || residual <= permitted(system.reference_force(), tolerance) {
                 return Ok(settled(system, residual, iterations));
             }
         }
@@ -157,12 +186,21 @@ pub(super) fn settle(
         };
         // The step is shortened to the largest permitted displacement.
         let share = (1.0 / system.excess(&step, second)).min(1.0);
-        if !system.move_by(share, &step) {
+        // No equilibrium is reached by shortened steps, which may go against the forces in the second attempt.
+        let judged = share == 1.0 || !second;
+        here.copy_from_slice(system.positions());
+        if judged && !system.follows_forces(&step) || !system.move_by(share, &step) {
             gamma *= GAMMA_AFTER_FAILURE;
             continue;
         }
         let before = residual;
         residual = system.unbalanced();
+        if second && residual > system.most_growth() * before && gamma > SHORTEST_GAMMA {
+            system.place(&here);
+            residual = before;
+            gamma *= GAMMA_AFTER_FAILURE;
+            continue;
+        }
         gamma = if share == 1.0 && residual < TOLERATED_GROWTH * before {
             (GAMMA_GROWTH * gamma).min(system.longest_gamma())
         } else if share < SHORT_SHARE || residual > LARGE_GROWTH * before {

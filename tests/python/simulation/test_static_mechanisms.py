@@ -194,6 +194,71 @@ def test_a_pin_with_clearance_penetrates_by_the_inverse_of_its_law(law, penetrat
     assert simulation.rest["largest_force"] == pytest.approx(5.0 * GRAVITY)
 
 
+def add_floor(mechanism, radius, law, x=0.0):
+    """Add a floor at y = 0 below a circle at `x` in the frame of the body."""
+    points, place = [(3.0, 0.0), (-3.0, 0.0)], {"circle_point": (x, 0.0), "closed": False}
+    mechanism.add_outline_contact(f"floor {x}", "ground", "body", points, radius, law, **place)
+
+
+@pytest.mark.parametrize("angle", [0.1, 1.0, 1.4])
+@pytest.mark.parametrize(
+    "law",
+    [rc.SurfaceContact(law) for law in (rc.Hertz(), rc.LankaraniNikravesh(), rc.Johnson())],
+)
+def test_a_leaning_rod_lies_down(law, angle):
+    # Standing on one end is an equilibrium too, an unstable one.
+    mechanism = rc.Mechanism(name="rod")
+    mechanism.add_body("body", 1.0, 0.02, position=(0.0, 0.25 * np.sin(angle) + 0.02, angle))
+    for x in (-0.25, 0.25):
+        add_floor(mechanism, 0.02, law, x)
+    simulation = rc.Simulation(mechanism, start="static")
+    assert abs(np.sin(simulation.positions[0, 2])) < 1e-6
+    np.testing.assert_allclose(simulation.evaluate().contact_force, GRAVITY / 2, rtol=1e-6)
+
+
+@pytest.mark.parametrize("beside", [1e-4, 0.06])
+def test_a_disc_beside_the_top_of_another_rolls_off(beside):
+    law = rc.SurfaceContact(rc.Hertz())
+    mechanism = rc.Mechanism(name="disc")
+    mechanism.add_body("body", 1.0, 1e-3, position=(beside, 0.4, 0.0))
+    add_floor(mechanism, 0.05, law)
+    mechanism.add_disc_contact("top", "ground", "body", 0.1, 0.05, law, point_a=(0.0, 0.25))
+    wall = [(0.3, 1.0), (0.3, -1.0)]
+    mechanism.add_outline_contact("wall", "ground", "body", wall, 0.05, law, closed=False)
+    x, y, _ = rc.Simulation(mechanism, start="static").positions[0]
+    assert y == pytest.approx(0.05, abs=1e-6)
+    assert x > 0.1
+
+
+@pytest.mark.parametrize("heavy", [1e6, 1e9])
+def test_a_light_body_beside_a_heavy_one_comes_to_rest(heavy):
+    # A pendulum and a mass on a spring: the weight of the frame is no measure of their balance.
+    mechanism = bars([(0.0, 0.0), (1.0, 0.0)], [1.0])
+    mechanism.add_body("mass", 2.0, 0.01, position=(0.0, -0.3, 0.0))
+    mechanism.add_prismatic("guide", "ground", "mass", direction=(0.0, 1.0))
+    mechanism.add_spring("spring", "ground", "mass", stiffness=1000.0)
+    mechanism.add_body("frame", heavy, heavy, position=(3.0, 0.0, 0.0))
+    mechanism.add_fixed("foot", "ground", "frame", at=(3.0, 0.0))
+    rest = rc.Simulation(mechanism, start="static").positions
+    np.testing.assert_allclose(rest[0, :2], [0.0, -0.5], atol=1e-6)
+    assert rest[1, 1] == pytest.approx(-0.3 - 2.0 * GRAVITY / 1000.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [10.0, 3e3, 7e5])
+@pytest.mark.parametrize("length", [0.45, 0.47])
+def test_a_spring_relaxes_where_nothing_else_acts(stiffness, length):
+    # The force falls to rounding, and with it the force that it is compared with.
+    mechanism = bars([(0.0, 0.0), (1.0, 0.0)], [1.0])
+    mechanism.gravity = (0.0, 0.0)
+    spring = {"point_a": (0.3, 0.6), "point_b": (0.2, 0.0), "rest_length": length}
+    mechanism.add_spring("spring", "ground", "bar 0", stiffness=stiffness, **spring)
+    simulation = rc.Simulation(mechanism, start="static")
+    angle = simulation.positions[0, 2]
+    end = 0.7 * np.array([np.cos(angle), np.sin(angle)])
+    assert np.hypot(*(end - spring["point_a"])) == pytest.approx(length, rel=1e-14)
+    assert simulation.rest["residual"] < 1e-14 * stiffness
+
+
 def test_drivers_are_held_and_their_speeds_kept():
     mechanism = bars([(0.0, 0.0), (0.1, 0.0), (0.4, 0.0)], [0.3, 0.6])
     mechanism.add_driver("motor", "ground", "bar 0", speed=20.0)
