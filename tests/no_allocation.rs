@@ -219,7 +219,7 @@ fn steps_of_a_mechanism_allocate_nothing_after_the_first() {
         let (begun, before) = (machine.counts().steps, ALLOCATIONS.get());
         machine.advance(0.08, Duration::MAX).unwrap();
         let allocations = ALLOCATIONS.get() - before;
-        assert!(machine.counts().steps > begun + 50 && machine.onsets() > 0);
+        assert!(machine.counts().steps > begun + 50 && machine.statistics().onsets > 0);
         assert_eq!(allocations, 0, "{bars} {corrector:?}");
     }
 }

@@ -189,12 +189,6 @@ impl Adams {
         self.next.limit(longest, self.time);
     }
 
-    /// Return the order of the next step.
-    #[must_use]
-    pub fn order(&self) -> usize {
-        self.next.order
-    }
-
     /// Return the solution at `t` inside the last step.
     #[must_use]
     pub fn dense(&self, t: f64) -> DenseOutput<'_> {

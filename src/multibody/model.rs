@@ -190,12 +190,6 @@ impl MechanismModel {
         Ok(())
     }
 
-    /// Return the bodies, the ground first.
-    #[must_use]
-    pub fn bodies(&self) -> &[Body] {
-        &self.bodies
-    }
-
     /// Return the names of the bodies, without the ground.
     #[must_use]
     pub fn body_names(&self) -> Vec<String> {

@@ -1,7 +1,5 @@
 //! Implementation of the trait `System` for mechanisms: the steps and the recording of a run.
 
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 use super::contact::contact_states::ContactEnd;
@@ -9,7 +7,6 @@ use super::contact::impact_memory::Memory;
 use super::contact::onset::{OnsetNumbers, StepMotion};
 use super::dynamics::MechanismDynamics;
 use super::inputs::MechanismInput;
-use super::model::MechanismModel;
 use super::newton::stage::StepReactions;
 use super::report::{self, JOINTS, MechanismGroups};
 use super::sums::MechanismSums;
@@ -32,7 +29,6 @@ pub struct MechanismCheckpoint {
 }
 
 impl System for MechanismDynamics {
-    type Model = MechanismModel;
     type Groups = MechanismGroups;
     type Powers = MechanismSums;
     type Checkpoint = MechanismCheckpoint;
@@ -40,10 +36,6 @@ impl System for MechanismDynamics {
     const KIND: &'static str = "mechanism";
     /// A step of a large mechanism can take a considerable part of a second.
     const STEPS_BETWEEN_CLOCK_READINGS: u32 = 1;
-
-    fn model(&self) -> &Arc<MechanismModel> {
-        &self.model
-    }
 
     fn identity(&self) -> Vec<Identity> {
         let model = &self.inputs.compiled;
@@ -229,8 +221,10 @@ impl System for MechanismDynamics {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::multibody::{Body, Mechanism};
+    use crate::multibody::{Body, Mechanism, MechanismModel};
 
     #[test]
     fn the_energies_of_a_mechanism_are_part_of_its_solution() {

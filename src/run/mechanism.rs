@@ -83,12 +83,6 @@ impl Simulation<MechanismDynamics> {
         self.system.model()
     }
 
-    /// Return the number of contact onsets so far.
-    #[must_use]
-    pub fn onsets(&self) -> u64 {
-        self.statistics().onsets
-    }
-
     /// Return the law warnings: laws and bristles outside their range, and the first contact past the end of each law.
     #[must_use]
     pub fn range_notes(&self) -> Vec<String> {

@@ -42,7 +42,7 @@ pub struct Statistics {
     pub energy_evaluations: u64,
     /// Contact onsets.
     pub onsets: u64,
-    /// Onsets slower than the minimum impact velocity.
+    /// Onsets at the minimum impact velocity or slower.
     pub onsets_at_minimum_velocity: u64,
     /// Contacts that began and ended within a step with an effect below the accuracy, and were not located.
     pub in_step_contacts: u64,

@@ -10,7 +10,6 @@ mod peaks;
 mod recording;
 
 use std::fmt::Debug;
-use std::sync::Arc;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -50,8 +49,6 @@ pub struct Identity {
 /// The order of calls in a step is: [`Self::begin_step`], the integrator's step, [`Self::energy_at_step_end`], [`Self::finish_step`],
 /// [`Self::longest_step`], [`Self::reach_step_end`], [`Self::write_peak_forces`], [`Self::meter_step`].
 pub trait System: SecondOrderSystem + Clone + Debug {
-    /// Compiled description.
-    type Model: Debug;
     /// Selected groups of channels.
     type Groups: Copy + Debug + PartialEq;
     /// Powers of the energy balance.
@@ -63,9 +60,6 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     const KIND: &'static str;
     /// Number of steps between two readings of the wall clock; one if a step may take a large part of a second.
     const STEPS_BETWEEN_CLOCK_READINGS: u32;
-
-    /// Return the compiled description.
-    fn model(&self) -> &Arc<Self::Model>;
 
     /// Return the properties that identify a state, most significant first.
     fn identity(&self) -> Vec<Identity>;

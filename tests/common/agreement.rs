@@ -10,6 +10,7 @@ use rustchain::chain::model::{Rotation, Support};
 use rustchain::force_law::PairTable;
 use rustchain::geometry::{SurfaceCurve, Vec2};
 use rustchain::integrator::OdeSystem;
+use rustchain::system::System;
 
 use super::checks::{elastic, impact_velocity};
 use super::scalar_reference::{Contact, Reference, ToothContact};

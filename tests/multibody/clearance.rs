@@ -84,7 +84,7 @@ fn acceleration_peaks_follow_the_ideal_curve_and_shrink_with_the_clearance() {
     let departures = [5e-4, 5e-5, 5e-6].map(|clearance| {
         let mut machine = simulation(&machine(clearance, Elastic::Hertz), 1e-9);
         let recording = record(&mut machine, 2.0 * turn, turn / 720.0);
-        assert!(machine.onsets() > 2);
+        assert!(machine.statistics().onsets > 2);
         departure(&recording)
     });
     assert!(departures[1] < 0.7 * departures[0], "{departures:?}");

@@ -203,8 +203,12 @@ fn changes_that_are_none_leave_path_and_onsets() {
     let apart = set.iter().flatten().zip(free.iter().flatten());
     let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-7, "{apart:e}");
-    assert!(plain.onsets() >= 3, "{}", plain.onsets());
-    assert_eq!(run.onsets(), plain.onsets());
+    assert!(
+        plain.statistics().onsets >= 3,
+        "{}",
+        plain.statistics().onsets
+    );
+    assert_eq!(run.statistics().onsets, plain.statistics().onsets);
 }
 
 #[test]

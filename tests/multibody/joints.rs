@@ -595,7 +595,7 @@ fn a_ball_bounces_on_every_profile_as_high_as_it_fell() {
         let heights = recording.positions().chunks(3).map(|p| p[1]);
         let after = heights.skip(300).fold(f64::NEG_INFINITY, f64::max);
         assert!((after - start).abs() < 1e-5, "{name} {after} {start}");
-        assert!(machine.onsets() >= 2);
+        assert!(machine.statistics().onsets >= 2);
         let worst = recording
             .energy()
             .chunks(6)

@@ -63,7 +63,7 @@ fn a_ball_in_a_corner_rests_on_both_sides() {
     let mut machine = simulation(&mechanism, 1e-9);
     let recording = record(&mut machine, 1.0, 1e-3);
     // Each side is met once, and stays: no chatter.
-    assert_eq!(machine.onsets(), 2);
+    assert_eq!(machine.statistics().onsets, 2);
     let weight = 0.5 * GRAVITY;
     assert!((recording.contact_force().last().unwrap() / weight - 1.0).abs() < 1e-6);
     let rest = Vec2::new(
@@ -196,7 +196,7 @@ fn a_ball_rolls_over_the_end_of_a_table_without_a_jump() {
     assert!(jump.fold(0.0, f64::max) < 0.1);
     assert_eq!(*recording.contact_force().last().unwrap(), 0.0);
     assert!(recording.energy().chunks(6).all(|row| row[5].abs() < 1e-7));
-    assert_eq!(machine.onsets(), 0);
+    assert_eq!(machine.statistics().onsets, 0);
 }
 
 #[test]

@@ -111,12 +111,6 @@ impl Dynamics {
         &self.model
     }
 
-    /// Return whether energy metering is on.
-    #[must_use]
-    pub fn keeps_energy(&self) -> bool {
-        self.keeps_energy
-    }
-
     /// Switch energy metering on or off: powers, and with them the sums of the energy balance.
     pub fn keep_energy(&mut self, keep: bool) {
         self.keeps_energy = keep;

@@ -23,17 +23,12 @@ const KEPT_REGIONS: &str = "regions = \"kept\": with \"sharp\", a bushing that c
 const STEPS_BETWEEN_PROJECTIONS: u64 = 4;
 
 impl System for Dynamics {
-    type Model = Model;
     type Groups = Groups;
     type Powers = Powers;
     type Checkpoint = Checkpoint;
 
     const KIND: &'static str = "chain drive";
     const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
-
-    fn model(&self) -> &Arc<Model> {
-        &self.model
-    }
 
     fn identity(&self) -> Vec<Identity> {
         identity(&self.inputs.compiled)

@@ -19,12 +19,6 @@ pub struct Input {
 }
 
 impl Input {
-    /// Return the number of the sprocket, from 0.
-    #[must_use]
-    pub fn sprocket(&self) -> usize {
-        self.sprocket
-    }
-
     /// Return whether this input sets the same quantity of the same sprocket as `other`.
     pub(crate) fn replaces(&self, other: &Self) -> bool {
         (self.sprocket, self.quantity) == (other.sprocket, other.quantity)

@@ -239,8 +239,6 @@ fn what_is_set_is_what_is_in_use() {
         assert_eq!(adams.instructions().name(), set.name());
     }
     adams.step(&mut Circle).unwrap();
-    adams.next.order = 7;
-    assert_eq!(adams.order(), 7);
     let shorter = 0.5 * adams.step_size();
     adams.limit_step(shorter);
     assert_eq!(adams.step_size(), shorter);
