@@ -6,39 +6,19 @@ use crate::math::simd::{
     InstructionSet, Lanes, Numbers, WIDTH, packs, packs_mut, padded_zeros, part_of, parts, put_part,
 };
 
-/// Largest force and impulse of each contact of a kind since the last report.
+/// Largest force and impulse of each contact of a kind since the last report. Arrays are padded, with zeros behind the contacts.
 #[derive(Debug, Clone)]
 pub struct Peaks {
     contacts: usize,
-    /// Forces at the end of the present step, and those of a report; zero behind the contacts.
+    instructions: InstructionSet,
+    /// Forces at the end of the present step, and those of a report.
     arriving: Numbers,
     reported: Numbers,
-    interval: Interval,
-}
-
-/// Time since the last report. Arrays are padded, with zeros behind the contacts.
-#[derive(Debug, Clone)]
-struct Interval {
-    instructions: InstructionSet,
-    /// Time of the last forces.
-    time: f64,
+    /// Last included forces and their time.
     last: Numbers,
-    force: Numbers,
-    impulse: Numbers,
-}
-
-impl Interval {
-    /// Include these forces, and add the trapezoid between the last ones and these to the impulses.
-    fn include(&mut self, t: f64, forces: &[f64]) {
-        self.instructions.run(Include {
-            half_time: 0.5 * (t - self.time),
-            forces,
-            last: &mut self.last,
-            largest: &mut self.force,
-            impulses: &mut self.impulse,
-        });
-        self.time = t;
-    }
+    time: f64,
+    largest: Numbers,
+    impulses: Numbers,
 }
 
 impl Peaks {
@@ -46,15 +26,13 @@ impl Peaks {
         let zeros = || padded_zeros(contacts);
         Self {
             contacts,
+            instructions: InstructionSet::detect(),
             arriving: zeros(),
             reported: zeros(),
-            interval: Interval {
-                instructions: InstructionSet::detect(),
-                time: t,
-                last: zeros(),
-                force: zeros(),
-                impulse: zeros(),
-            },
+            last: zeros(),
+            time: t,
+            largest: zeros(),
+            impulses: zeros(),
         }
     }
 
@@ -70,41 +48,44 @@ impl Peaks {
 
     /// Include the forces stored for time `t`.
     pub(crate) fn arrive(&mut self, t: f64) {
-        self.interval.include(t, &self.arriving);
+        self.include(t, false);
     }
 
     /// End an interval with the forces of a report at `t`; return largest forces and impulses. At the `first` report these are the forces
     /// there, and zero.
     pub(crate) fn close(&mut self, t: f64, forces: &[f64], first: bool) -> [&[f64]; 2] {
         self.reported[..self.contacts].copy_from_slice(forces);
-        self.interval.include(t, &self.reported);
-        let Interval {
-            last,
-            force,
-            impulse,
-            ..
-        } = &mut self.interval;
+        self.include(t, true);
         if first {
-            force.copy_from_slice(last);
-            impulse.fill(0.0);
+            self.begin_interval();
         }
-        [&force[..self.contacts], &impulse[..self.contacts]]
+        [&self.largest, &self.impulses].map(|values| &values[..self.contacts])
     }
 
     /// Begin the next interval with the last forces.
     pub(crate) fn begin_interval(&mut self) {
-        let Interval {
-            last,
-            force,
-            impulse,
-            ..
-        } = &mut self.interval;
-        force.copy_from_slice(last);
-        impulse.fill(0.0);
+        self.largest.copy_from_slice(&self.last);
+        self.impulses.fill(0.0);
+    }
+
+    /// Include the forces `reported` or arriving at `t`, and add the trapezoid between the last ones and these to the impulses.
+    fn include(&mut self, t: f64, reported: bool) {
+        self.instructions.run(Include {
+            half_time: 0.5 * (t - self.time),
+            forces: if reported {
+                &self.reported
+            } else {
+                &self.arriving
+            },
+            last: &mut self.last,
+            largest: &mut self.largest,
+            impulses: &mut self.impulses,
+        });
+        self.time = t;
     }
 }
 
-/// Kernel of [`Interval::include`], which runs after each step.
+/// Kernel of [`Peaks::include`], which runs after each step.
 struct Include<'a> {
     half_time: f64,
     forces: &'a [f64],
