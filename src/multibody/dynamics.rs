@@ -120,6 +120,7 @@ impl MechanismDynamics {
             frames: &mut self.frames,
             constraints: &mut self.constraints,
             corrector: &mut self.corrector,
+            give_up: &|| false,
         }
     }
 

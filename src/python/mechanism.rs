@@ -9,10 +9,10 @@ use super::arrays::rows;
 use super::core::Core;
 use super::describe::{Reader, friction, number, refuse, shown, signal, table, truth};
 use super::errors::InvalidInput;
+use super::interrupt::interruptible;
 use super::mechanism_callable::{Raised, custom, take};
 use super::mechanism_contact::contact;
 use super::mechanism_fields::{markers, text};
-use super::starts::interrupted;
 use crate::layout::InitialConfiguration;
 use crate::multibody::{
     Body, ForceElement, ForceKind, Joint, JointKind, Mechanism, MechanismModel, PinFriction,
@@ -233,21 +233,22 @@ pub(super) fn mechanism_core(
     let control = super::describe::solver(solver)?;
     let positions = rows("positions", positions.as_ref())?;
     let velocities = rows("velocities", velocities.as_ref())?;
-    let made = contained(|| {
-        let model = MechanismModel::compile(&description)?;
-        let give_up = || interrupted(py, &raised);
-        let (Some(positions), Some(velocities)) = (positions, velocities) else {
-            return MechanismSimulation::assemble_unless(Arc::new(model), control, &give_up);
-        };
-        let start = InitialConfiguration {
-            positions,
-            velocities,
-            surfaces,
-        };
-        MechanismSimulation::assemble_from(model, &start, control, &give_up)
+    let made = interruptible(py, |give_up| {
+        contained(|| {
+            let model = MechanismModel::compile(&description)?;
+            let (Some(positions), Some(velocities)) = (positions, velocities) else {
+                return MechanismSimulation::assemble_unless(Arc::new(model), control, give_up);
+            };
+            let start = InitialConfiguration {
+                positions,
+                velocities,
+                surfaces,
+            };
+            MechanismSimulation::assemble_from(model, &start, control, give_up)
+        })
     });
     take(&raised)?;
-    let mut simulation = AnySimulation::Mechanism(made?);
+    let mut simulation = AnySimulation::Mechanism(made??);
     let start = [simulation.positions(), simulation.velocities()];
     Ok(Core::of(simulation, start, raised))
 }

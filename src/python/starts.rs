@@ -9,7 +9,6 @@ use super::arrays::rows;
 use super::describe;
 use super::errors::InvalidInput;
 use super::interrupt::interruptible;
-use super::mechanism_callable::Raised;
 use crate::chain::contact::ToothJump;
 use crate::chain::model::ForceLaws;
 use crate::drive::{Drive, HingeKind, InputQuantity};
@@ -18,17 +17,6 @@ use crate::integrator::StepControl;
 use crate::layout::{InitialConfiguration, Layout};
 use crate::math::Signal;
 use crate::panics::contained;
-
-/// Return whether a signal such as Ctrl-C was received; its exception is stored in `raised`.
-pub(super) fn interrupted(py: Python<'_>, raised: &Raised) -> bool {
-    let Err(error) = py.check_signals() else {
-        return false;
-    };
-    if let Ok(mut slot) = raised.lock() {
-        *slot = Some(error);
-    }
-    true
-}
 
 /// Return the text of a warning of tooth jumps: their number and the first one; none without jumps.
 pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {

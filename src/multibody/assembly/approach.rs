@@ -40,20 +40,14 @@ const LEAST_DECREASE: f64 = 1e-9;
 impl Projector<'_> {
     /// Move distant positions close to the constraints. Return false where the positions of least residual do not satisfy them.
     ///
-    /// Afterwards `state` and the constraint rows are those of the positions found. `give_up` is evaluated before each iteration and
-    /// ends it.
-    pub(crate) fn approach(
-        &mut self,
-        t: f64,
-        state: &mut [f64],
-        give_up: &dyn Fn() -> bool,
-    ) -> bool {
+    /// Afterwards `state` and the constraint rows are those of the positions found.
+    pub(crate) fn approach(&mut self, t: f64, state: &mut [f64]) -> bool {
         self.place(t, state);
         if self.worst() <= FAR || self.constraints.rows.len() > MOST_ROWS {
             return true;
         }
         let placed = state.to_vec();
-        if self.descend(t, state, give_up) {
+        if self.descend(t, state) {
             return true;
         }
         let mut nudged = placed;
@@ -67,7 +61,7 @@ impl Projector<'_> {
             }
         }
         let missed = self.worst();
-        let arrived = self.descend(t, &mut nudged, give_up);
+        let arrived = self.descend(t, &mut nudged);
         if arrived || self.worst() < missed {
             state.copy_from_slice(&nudged);
         }
@@ -77,7 +71,7 @@ impl Projector<'_> {
 
     /// Run Levenberg's iterations (1944), weighted by mass and with limited rotations. The sum of squared residuals decreases in
     /// each.
-    fn descend(&mut self, t: f64, state: &mut [f64], give_up: &dyn Fn() -> bool) -> bool {
+    fn descend(&mut self, t: f64, state: &mut [f64]) -> bool {
         let n = self.model.coordinates();
         self.place(t, state);
         let size = self.model.size(self.frames);
@@ -98,7 +92,7 @@ impl Projector<'_> {
             let before = miss.norm();
             let mut fallen = false;
             for _ in 0..MOST_TRIALS {
-                if give_up() {
+                if (self.give_up)() {
                     break;
                 }
                 let mut damped = square.clone();

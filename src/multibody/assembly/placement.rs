@@ -2,7 +2,7 @@
 
 use super::changes::Changes;
 use super::outcome::Assembly;
-use super::projection::AtHand;
+use super::projection::{AtHand, Projector};
 use super::start_warnings::loose_parts;
 use crate::error::{Error, Result};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
@@ -34,8 +34,11 @@ impl MechanismDynamics {
             }
         }
         let placed = state.clone();
-        let mut projector = self.projector();
-        if !projector.approach(0.0, &mut state, give_up)
+        let mut projector = Projector {
+            give_up,
+            ..self.projector()
+        };
+        if !projector.approach(0.0, &mut state)
             || !projector.project(0.0, &mut state, MOST_ITERATIONS, AtHand::Nothing)
         {
             return Err(self.constraints.refuse(&self.model, &self.frames));

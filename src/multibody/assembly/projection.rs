@@ -57,6 +57,8 @@ pub(crate) struct Projector<'a> {
     pub(crate) frames: &'a mut [Frame],
     pub(crate) constraints: &'a mut ConstraintState,
     pub(crate) corrector: &'a mut ImplicitCorrector,
+    /// Whether to end the search for positions; evaluated before each iteration.
+    pub(crate) give_up: &'a dyn Fn() -> bool,
 }
 
 impl Projector<'_> {
@@ -179,7 +181,7 @@ impl Projector<'_> {
             if worst <= round_off || (worst < left && worst >= 0.5 * before) {
                 return true;
             }
-            if worst.is_nan() {
+            if worst.is_nan() || (self.give_up)() {
                 return false;
             }
             // Newton's iterations keep the factors while convergence is fast.

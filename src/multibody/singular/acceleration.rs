@@ -40,6 +40,7 @@ impl MechanismDynamics {
             frames: &mut self.frames,
             constraints: &mut self.constraints,
             corrector: &mut self.corrector,
+            give_up: &|| false,
         };
         let reached = projector.on_both_sides(t, &start, |projector, t, _, weight| {
             let reached = projector.accelerate_here(t, loads, found);

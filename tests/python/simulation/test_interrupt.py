@@ -158,6 +158,49 @@ def test_sigterm_ends_the_command_as_ctrl_c_does(tmp_path):
     assert rc.load_result(path).status == "interrupted"
 
 
+@pytest.mark.skipif(not hasattr(signal, "SIGALRM"), reason="no interval timer here")
+def test_the_assembly_of_a_large_mechanism_is_interrupted_and_leaves_other_threads_alone():
+    class Alarm(Exception):
+        pass
+
+    def ring(number, frame):
+        raise Alarm
+
+    # Bars of 1 m between the bodies of a net, which are far from their places.
+    scatter, size = np.random.default_rng(0), 25
+    net = rc.Mechanism()
+    for i, j in np.ndindex(size, size):
+        shift = 0.3 * scatter.normal(size=3)
+        net.add_body(f"{i} {j}", mass=1.0, inertia=0.1, position=(i + shift[0], j + shift[1], 0.0))
+    for i, j in np.ndindex(size, size):
+        for k, n in ((i + 1, j), (i, j + 1)):
+            if max(k, n) < size:
+                net.add_distance(f"{i} {j} to {k} {n}", f"{i} {j}", f"{k} {n}", length=1.0)
+
+    ticks, ended = [], threading.Event()
+
+    def tick():
+        while not ended.wait(1e-3):
+            ticks.append(time.monotonic())
+
+    before = signal.signal(signal.SIGALRM, ring)
+    other = threading.Thread(target=tick)
+    other.start()
+    begin = time.monotonic()
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with pytest.raises(Alarm):
+            rc.Simulation(net)
+    finally:
+        end = time.monotonic()
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+        ended.set()
+        other.join()
+    assert end - begin < 0.5
+    assert sum(begin < tick < end for tick in ticks) > 5
+
+
 def test_an_interrupted_step_to_leaves_the_simulation_where_it_is():
     done = child(
         f"""
