@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use common::{drives, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rustchain::integrator::StepControl;
-use rustchain::run::ensemble::{Case, Ensemble, Scene};
+use rustchain::run::ensemble::{Case, Ensemble};
 use rustchain::{ForceLaws, Groups, Statistics};
 
 /// Enough for two threads to end nearly together: at worst one case apart.
@@ -49,17 +49,15 @@ fn prepare(threads: usize) -> Ensemble {
         let speed = 4.0 * std::f64::consts::PI * (1.0 + 1e-3 * f64::from(number));
         drive.sprockets[0].motion = rustchain::drive::SprocketMotion::PrescribedSpeed(speed.into());
         Case {
-            scene: Scene::Drive {
-                drive: Box::new(drive),
-                laws: ForceLaws::default(),
-                start: None,
-                groups: Groups {
-                    hinges: true,
-                    teeth: true,
-                    sprockets: true,
-                    bodies: false,
-                    energy: true,
-                },
+            drive,
+            laws: ForceLaws::default(),
+            start: None,
+            groups: Groups {
+                hinges: true,
+                teeth: true,
+                sprockets: true,
+                bodies: false,
+                energy: true,
             },
             control: StepControl::default(),
             duration: DURATION,

@@ -38,7 +38,6 @@ __all__ = [
     "link_stiffness",
     "links_around",
     "links_for",
-    "mechanism_case",
     "mechanism_static_start",
     "panicked",
     "read_toml",
@@ -283,13 +282,10 @@ class Ensemble:
     @property
     def simulated(self) -> float:
         """Simulated time that all cases together have behind them [s]."""
-    def fetch(
-        self, wall_budget: float
-    ) -> tuple[int, tuple[Core, tuple[_Array, _Array]] | None, Exception | None] | None:
+    def fetch(self, wall_budget: float) -> tuple[int, Core | None, Exception | None] | None:
         """Wait for about `wall_budget` seconds of wall time for a case that has ended.
 
-        Return its number, its run with the positions and velocities at its start (None when it did
-        not begin), and what went wrong.
+        Return its number, its run (None when it did not begin), and what went wrong.
         """
     def close(self) -> None:
         """Stop all cases, and wait until they have."""
@@ -302,13 +298,3 @@ def MechanismCore(
     surfaces: Sequence[tuple[int, int, int]] = ...,
 ) -> Core:
     """Assemble a mechanism and return its run."""
-
-def mechanism_case(
-    description: Mechanism,
-    solver: Solver,
-    duration: float,
-    report_step: float,
-    groups: list[str] | None = None,
-    energy: bool | None = None,
-) -> Case:
-    """Return a mechanism and what to record of it, for an `Ensemble`."""

@@ -5,27 +5,22 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use super::arrays::table;
 use super::core::Core;
 use super::describe;
-use super::mechanism::mechanism;
-use super::mechanism_callable::{Raised, take};
+use super::mechanism_callable::Raised;
 use super::starts::{DriveScene, budget};
 use crate::error::Error;
+use crate::run::AnySimulation;
 use crate::run::ensemble;
-use crate::run::ensemble::{Failure, Outcome, Run, Scene};
+use crate::run::ensemble::{Failure, Outcome, Run};
 
-/// Scene with its recorded groups, checked and ready to run.
+/// Drive with its recorded groups, checked and ready to run.
 #[pyclass(module = "rustchain._rustchain", frozen)]
-pub(super) struct Case {
-    case: ensemble::Case,
-    /// Exception raised by a callable of a mechanism.
-    raised: Raised,
-}
+pub(super) struct Case(ensemble::Case);
 
 #[pymethods]
 impl Case {
@@ -45,64 +40,28 @@ impl Case {
         let scene = DriveScene::new(scene, (positions.as_ref(), velocities.as_ref(), surfaces))?;
         let (duration, report_step, energy) =
             describe::reports(duration, report_step, Some(energy))?;
-        let case = ensemble::Case {
-            scene: Scene::Drive {
-                drive: Box::new(scene.drive),
-                laws: scene.laws,
-                start: scene.start,
-                groups: describe::drive_groups(&groups, energy),
-            },
+        Ok(Self(ensemble::Case {
+            drive: scene.drive,
+            laws: scene.laws,
+            start: scene.start,
+            groups: describe::drive_groups(&groups, energy),
             control: scene.control,
             duration,
             report_step,
-        };
-        Ok(Self {
-            case,
-            raised: Raised::default(),
-        })
+        }))
     }
-}
-
-/// Return the case of a mechanism, checked and ready to run; `groups` of `None`: all.
-#[pyfunction]
-#[pyo3(signature = (description, solver, duration, report_step, groups=None, energy=None))]
-#[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
-pub(super) fn mechanism_case(
-    description: &Bound<'_, PyAny>,
-    solver: &Bound<'_, PyAny>,
-    duration: &Bound<'_, PyAny>,
-    report_step: &Bound<'_, PyAny>,
-    groups: Option<Vec<String>>,
-    energy: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Case> {
-    let raised = Raised::default();
-    let (duration, report_step, energy) = describe::reports(duration, report_step, energy)?;
-    let scene = Scene::Mechanism {
-        mechanism: mechanism(description, &raised)?,
-        groups: describe::mechanism_groups(groups.as_deref(), energy),
-    };
-    let case = ensemble::Case {
-        scene,
-        control: describe::solver(solver)?,
-        duration,
-        report_step,
-    };
-    Ok(Case { case, raised })
 }
 
 /// Running cases.
 #[pyclass(module = "rustchain._rustchain", frozen)]
 pub(super) struct Ensemble {
     running: Arc<ensemble::Ensemble>,
-    /// Exceptions raised by callables, by case.
-    raised: Vec<Raised>,
     outcomes: Mutex<Option<Receiver<(usize, Outcome)>>>,
     runner: Mutex<Option<JoinHandle<()>>>,
 }
 
-type Start<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
-/// Number of the case; the run and its start, if it started; the error, if there was one.
-type Fetched<'py> = (usize, Option<(Core, Start<'py>)>, Option<Py<PyAny>>);
+/// Number of the case; its run, if it started; the error, if there was one.
+type Fetched = (usize, Option<Core>, Option<Py<PyAny>>);
 
 #[pymethods]
 impl Ensemble {
@@ -110,8 +69,7 @@ impl Ensemble {
     #[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
     fn new(cases: Vec<PyRef<'_, Case>>, threads: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let threads = threads.map(number_of_threads).transpose()?;
-        let raised = cases.iter().map(|case| Arc::clone(&case.raised)).collect();
-        let cases = cases.iter().map(|case| case.case.clone()).collect();
+        let cases = cases.iter().map(|case| case.0.clone()).collect();
         let running = Arc::new(ensemble::Ensemble::new(cases, threads)?);
         // Each thread may leave one finished case in the channel and continue: memory is bounded by the number of threads.
         let (sender, outcomes) = sync_channel(running.threads());
@@ -124,7 +82,6 @@ impl Ensemble {
         });
         Ok(Self {
             running,
-            raised,
             outcomes: Mutex::new(Some(outcomes)),
             runner: Mutex::new(Some(runner)),
         })
@@ -135,7 +92,7 @@ impl Ensemble {
         self.running.simulated()
     }
 
-    fn fetch<'py>(&self, py: Python<'py>, wall_budget: f64) -> PyResult<Option<Fetched<'py>>> {
+    fn fetch(&self, py: Python<'_>, wall_budget: f64) -> PyResult<Option<Fetched>> {
         let found = py.detach(|| {
             let outcomes = self.outcomes.lock().unwrap_or_else(PoisonError::into_inner);
             outcomes
@@ -155,11 +112,12 @@ impl Ensemble {
             Ok(run) => (Some(run), None),
             Err(Failure { run, error }) => (run, Some(error)),
         };
-        // An exception of a callable takes precedence over the error that it caused.
-        let raised = &self.raised[number];
-        let error = error.map(|error| take(raised).err().unwrap_or_else(|| error.into()));
-        let error = error.map(|error| error.into_value(py).into_any());
-        let run = run.map(|run| begun(py, *run, raised)).transpose()?;
+        let error = error.map(|error| PyErr::from(error).into_value(py).into_any());
+        let run = run.map(|run| {
+            let Run { start, simulation } = *run;
+            let start = [start.positions, start.velocities];
+            Core::of(AnySimulation::Drive(simulation), start, Raised::default())
+        });
         Ok(Some((number, run, error)))
     }
 
@@ -187,16 +145,6 @@ impl Drop for Ensemble {
     fn drop(&mut self) {
         self.running.cancel();
     }
-}
-
-fn begun<'py>(py: Python<'py>, run: Run, raised: &Raised) -> PyResult<(Core, Start<'py>)> {
-    let Run { start, simulation } = run;
-    let arrays = (
-        table(py, start.positions.clone())?,
-        table(py, start.velocities.clone())?,
-    );
-    let start = [start.positions, start.velocities];
-    Ok((Core::of(simulation, start, Arc::clone(raised)), arrays))
 }
 
 fn number_of_threads(value: &Bound<'_, PyAny>) -> PyResult<NonZero<usize>> {

@@ -29,7 +29,6 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;
     module.add_function(wrap_pyfunction!(mechanism::mechanism_core, module)?)?;
-    module.add_function(wrap_pyfunction!(ensemble::mechanism_case, module)?)?;
     module.add_function(wrap_pyfunction!(errors::panicked, module)?)?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
     module.add_function(wrap_pyfunction!(functions::instruction_set, module)?)?;

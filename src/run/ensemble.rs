@@ -1,4 +1,4 @@
-//! Ensembles of independent cases: each is built, run and recorded on one thread of a pool.
+//! Ensembles of independent drives: each is built, run and recorded on one thread of a pool.
 
 use std::num::NonZero;
 use std::sync::Arc;
@@ -14,43 +14,23 @@ use crate::drive::Drive;
 use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
-use crate::multibody::{Mechanism, MechanismGroups, MechanismModel};
 use crate::panics;
 use crate::run::simulation::{Simulation, check_reports};
-use crate::run::{AnySimulation, MechanismSimulation};
 
 /// Wall time between two checks for cancellation of the ensemble.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// Drive or mechanism to simulate, with its start and its recorded groups.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(clippy::large_enum_variant)] // one a case: the difference does not matter
-pub enum Scene {
-    /// Chain drive.
-    Drive {
-        /// Description of the drive.
-        drive: Box<Drive>,
-        /// Force laws.
-        laws: ForceLaws,
-        /// Start; `None`: the generated initial configuration.
-        start: Option<InitialConfiguration>,
-        /// Recorded groups.
-        groups: Groups,
-    },
-    /// Mechanism, which starts at its placement.
-    Mechanism {
-        /// Description of the mechanism.
-        mechanism: Mechanism,
-        /// Recorded groups.
-        groups: MechanismGroups,
-    },
-}
-
-/// Scene with the settings of its run.
+/// Drive with the settings of its run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// Drive or mechanism to simulate.
-    pub scene: Scene,
+    /// Description of the drive.
+    pub drive: Drive,
+    /// Force laws.
+    pub laws: ForceLaws,
+    /// Start; `None`: the generated initial configuration.
+    pub start: Option<InitialConfiguration>,
+    /// Recorded groups.
+    pub groups: Groups,
     /// Settings of the integration.
     pub control: StepControl,
     /// Simulated time \[s\].
@@ -65,7 +45,7 @@ pub struct Run {
     /// Initial positions and velocities.
     pub start: InitialConfiguration,
     /// Simulation with its recording, statistics and warnings.
-    pub simulation: AnySimulation,
+    pub simulation: Simulation,
 }
 
 /// Reason why a case did not reach its end.
@@ -183,40 +163,20 @@ impl Case {
     /// Compile the model, place all bodies and begin the recording.
     fn begin(&self) -> Result<Run> {
         check_reports(self.duration, self.report_step)?;
-        let mut simulation = self.simulation()?;
+        let place = match &self.start {
+            Some(start) => start.clone(),
+            None => InitialConfiguration::generate(&self.drive)?.0,
+        };
+        let model = Arc::new(Model::compile(&self.drive, &self.laws, &place)?);
+        let mut simulation = Simulation::new(model, &place, self.control)?;
+        let motion = simulation.motion();
         let start = InitialConfiguration {
-            positions: simulation.positions(),
-            velocities: simulation.velocities(),
+            positions: motion.positions(),
+            velocities: motion.velocities(),
             ..InitialConfiguration::default()
         };
+        simulation.start_recording(self.duration, self.report_step, self.groups);
         Ok(Run { start, simulation })
-    }
-
-    fn simulation(&self) -> Result<AnySimulation> {
-        let (duration, report_step) = (self.duration, self.report_step);
-        match &self.scene {
-            Scene::Drive {
-                drive,
-                laws,
-                start,
-                groups,
-            } => {
-                let start = match start {
-                    Some(start) => start.clone(),
-                    None => InitialConfiguration::generate(drive)?.0,
-                };
-                let model = Arc::new(Model::compile(drive, laws, &start)?);
-                let mut simulation = Simulation::new(model, &start, self.control)?;
-                simulation.start_recording(duration, report_step, *groups);
-                Ok(AnySimulation::Drive(simulation))
-            }
-            Scene::Mechanism { mechanism, groups } => {
-                let model = Arc::new(MechanismModel::compile(mechanism)?);
-                let mut simulation = MechanismSimulation::assemble(model, self.control)?;
-                simulation.start_recording(duration, report_step, *groups);
-                Ok(AnySimulation::Mechanism(simulation))
-            }
-        }
     }
 }
 

@@ -1,17 +1,13 @@
 //! Many scenes at once: the numbers of each are those of its run alone, and none suffers from another.
 use crate::common;
 use std::num::NonZero;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
-use crate::common::mechanisms::bar_chain;
 use crate::common::{control, paper_drive, tensioner};
 use rustchain::drive::Drive;
 use rustchain::force_law::Damping;
-use rustchain::multibody::{MechanismGroups, MechanismModel};
-use rustchain::run::MechanismSimulation;
-use rustchain::run::ensemble::{Case, Ensemble, Outcome, Scene};
+use rustchain::run::ensemble::{Case, Ensemble, Outcome};
 use rustchain::{Error, ForceLaws, Groups};
 
 const ALL: Groups = Groups {
@@ -32,22 +28,13 @@ fn case(pretension: f64) -> Case {
 
 fn of_drive(drive: Drive, laws: &ForceLaws) -> Case {
     Case {
-        scene: Scene::Drive {
-            drive: Box::new(drive),
-            laws: *laws,
-            start: None,
-            groups: ALL,
-        },
+        drive,
+        laws: *laws,
+        start: None,
+        groups: ALL,
         control: control(1e-6),
         duration: DURATION,
         report_step: 1e-5,
-    }
-}
-
-fn drive_of(case: &mut Case) -> &mut Drive {
-    match &mut case.scene {
-        Scene::Drive { drive, .. } => drive,
-        Scene::Mechanism { .. } => panic!("the case is of a drive"),
     }
 }
 
@@ -76,10 +63,7 @@ fn outcomes(cases: Vec<Case>, threads: usize) -> Vec<Outcome> {
 
 fn assert_runs_as_alone(outcome: &mut Outcome, case: &Case) {
     let run = outcome.as_mut().unwrap();
-    let Scene::Drive { drive, laws, .. } = &case.scene else {
-        panic!("the case is of a drive");
-    };
-    let mut alone = common::simulation(drive, laws, case.control);
+    let mut alone = common::simulation(&case.drive, &case.laws, case.control);
     assert_eq!(run.start.positions, alone.motion().positions());
     assert_eq!(run.start.velocities, alone.motion().velocities());
     let recording = common::record(&mut alone, case.duration, case.report_step, ALL);
@@ -107,8 +91,8 @@ fn every_case_is_its_run_alone_to_the_last_bit_whatever_the_number_of_threads() 
 #[test]
 fn a_case_that_fails_leaves_the_others_alone() {
     let mut cases = mixed();
-    drive_of(&mut cases[0]).chain.links = 20;
-    drive_of(&mut cases[2]).chain.material.elastic_modulus = 1e300;
+    cases[0].drive.chain.links = 20;
+    cases[2].drive.chain.material.elastic_modulus = 1e300;
     cases[3].report_step = -1.0;
     for threads in [1, 2] {
         let mut found = outcomes(cases.clone(), threads);
@@ -179,29 +163,4 @@ fn no_cases_are_no_work() {
     let ensemble = Ensemble::new(Vec::new(), None).unwrap();
     ensemble.run(|number, _| panic!("case {number} of none"));
     assert_eq!(ensemble.simulated(), 0.0);
-}
-
-#[test]
-fn mechanisms_run_in_an_ensemble_as_they_do_alone() {
-    let mechanism = bar_chain(3, 0.3);
-    let groups = MechanismGroups::ALL;
-    let control = control(1e-8);
-    let case = Case {
-        scene: Scene::Mechanism {
-            mechanism: mechanism.clone(),
-            groups,
-        },
-        control,
-        duration: 0.2,
-        report_step: 1e-2,
-    };
-    let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-    let mut alone = MechanismSimulation::assemble(model, control).unwrap();
-    alone.start_recording(0.2, 1e-2, groups);
-    while !alone.record(Duration::MAX).unwrap() {}
-    let recording = alone.take_recording();
-    assert_eq!(recording.time.len(), 21);
-    for outcome in outcomes(vec![case.clone(), case], 2) {
-        assert_eq!(outcome.unwrap().simulation.take_recording(), recording);
-    }
 }

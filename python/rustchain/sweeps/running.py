@@ -121,11 +121,11 @@ def _run_in_pool(
                 bar.update(before + ensemble.simulated - bar.n)
                 if fetched is None:
                     yield None
-            place, run, failure = fetched
+            place, core, failure = fetched
             case = ready[place]
-            if run is not None and case.scene.positions is not None:
-                warn(changes_of_start(case.scene, start_of(case.scene)[0], run[1]))
-            yield case, _fetched(case, run, failure, measure)
+            if core is not None and case.scene.positions is not None:
+                warn(changes_of_start(case.scene, start_of(case.scene)[0], core.start()))
+            yield case, _fetched(case, core, failure, measure)
     finally:
         ensemble.close()
 
@@ -143,15 +143,15 @@ def _compiled(case: Case) -> _rustchain.Case:
 
 def _fetched(
     case: Case,
-    run: Any,  # noqa: ANN401, the core and the state that it began with
+    core: _rustchain.Core | None,
     error: Exception | None,
     measure: Measure | None,
 ) -> Outcome:
     """Return the outcome of a case that the pool has run."""
-    if run is None:
+    if core is None:
         return Outcome(error=error, made=False)
-    core, start = run
-    recording = Recording(Simulation._around(core, case.scene), start, {})
+    positions, velocities = core.start()
+    recording = Recording(Simulation._around(core, case.scene), (positions, velocities), {})
     if error is None:
         ended = measured(Outcome(recording.result("finished")), measure)
     else:
