@@ -112,9 +112,6 @@ fn rest_values(py: Python<'_>, rest: Equilibrium) -> PyResult<Bound<'_, PyDict>>
 #[pyfunction]
 pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let description = describe::drive(drive)?;
-    if description.sprockets.len() == 2 && description.ends.is_none() {
-        return Ok(vec!["upper".to_string(), "lower".to_string()]);
-    }
     let strands = crate::layout::strands(&description);
     Ok((0..strands.len())
         .map(|i| crate::layout::strand_name(&strands, i))
