@@ -111,12 +111,6 @@ impl WheelSequence {
         })
     }
 
-    /// Return the belt line on the circles of the seated hinges.
-    #[must_use]
-    pub fn belt(&self) -> &Belt {
-        &self.belt
-    }
-
     /// Return the angle at which the belt line reaches (or leaves) wheel `i`, seen from its centre \[rad\].
     fn tangent_angle(&self, i: usize, leaving: bool) -> f64 {
         let n = self.wheels.len();
@@ -293,11 +287,11 @@ mod tests {
 
     #[test]
     fn neighbouring_hinges_are_one_pitch_apart_and_the_chain_closes() {
-        let needed = course(100).belt().length / PITCH;
+        let needed = course(100).belt.length / PITCH;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
         let links = 2 * (0.5 * needed + 0.3).ceil() as u32;
         let course = course(links);
-        assert!(course.belt().is_simple());
+        assert!(course.belt.is_simple());
         for slack in 0..3 {
             for shift in [-0.4, 0.0, 0.3] {
                 let polygon = course.polygon(slack, shift, 1e-3).unwrap();
@@ -315,7 +309,7 @@ mod tests {
     #[test]
     fn a_chain_a_little_short_is_stretched_alike_in_all_strands() {
         let mut wheels = course(90).wheels;
-        let needed = course(90).belt().length / PITCH;
+        let needed = course(90).belt.length / PITCH;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
         let links = 2 * (0.5 * needed).floor() as u32;
         // Moved in until nearly taut.
@@ -352,7 +346,7 @@ mod tests {
     #[test]
     fn seats_begin_and_end_at_the_tangent_points_and_each_strand_has_its_own_length_and_sag() {
         let course = course(102);
-        let spans = &course.belt().spans;
+        let spans = &course.belt.spans;
         for slack in 0..3 {
             for shift in [-0.4, -0.1, 0.0, 0.3] {
                 let polygon = course.polygon(slack, shift, 1e-3).unwrap();

@@ -98,12 +98,6 @@ impl InstructionSet {
         sets
     }
 
-    /// Return the instruction set of this name: "avx512", "avx2", "neon" or "plain"; `None` if this machine does not have it.
-    #[must_use]
-    pub fn named(name: &str) -> Option<Self> {
-        Self::available().into_iter().find(|set| set.name() == name)
-    }
-
     /// Return the name: "avx512", "avx2", "neon" or "plain".
     #[must_use]
     pub fn name(self) -> &'static str {
