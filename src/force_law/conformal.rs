@@ -37,9 +37,18 @@ impl Conformal {
 
 impl ElasticLaw for Conformal {
     #[inline(always)]
-    fn elastic<R: Real>(self, [stiffness, radius_difference]: [R; 2], penetration: R) -> R {
-        let share = penetration / (radius_difference + penetration);
-        stiffness * penetration * share.sqrt()
+    fn elastic<R: Real>(self, pair: [R; 2], penetration: R) -> R {
+        self.elastic_and_root(pair, penetration)[0]
+    }
+
+    #[inline(always)]
+    fn elastic_and_root<R: Real>(
+        self,
+        [stiffness, radius_difference]: [R; 2],
+        penetration: R,
+    ) -> [R; 2] {
+        let root = (penetration / (radius_difference + penetration)).sqrt();
+        [stiffness * penetration * root, root]
     }
 
     #[inline(always)]
@@ -47,12 +56,12 @@ impl ElasticLaw for Conformal {
         self,
         [stiffness, radius_difference]: [R; 2],
         penetration: R,
-        _force: R,
+        [_, root]: [R; 2],
     ) -> R {
         let share = penetration / (radius_difference + penetration);
         // d/dδ of δ sqrt(s), s = δ/(ΔR + δ), is sqrt(s) (1.5 - 0.5 s).
         let rise = share.negate_mul_add(share.constant(0.5), share.constant(1.5));
-        stiffness * share.sqrt() * rise
+        stiffness * root * rise
     }
 
     fn stored(self, [stiffness, dr]: &[f64; 2], penetration: f64, _force: f64) -> f64 {

@@ -58,15 +58,20 @@ macro_rules! elastic_laws {
         impl ElasticLaw for Form {
             #[inline(always)]
             fn elastic<R: Real>(self, pair: [R; 2], penetration: R) -> R {
+                self.elastic_and_root(pair, penetration)[0]
+            }
+
+            #[inline(always)]
+            fn elastic_and_root<R: Real>(self, pair: [R; 2], penetration: R) -> [R; 2] {
                 match self {
-                    $(Self::$form => super::$form.elastic(pair, penetration),)+
+                    $(Self::$form => super::$form.elastic_and_root(pair, penetration),)+
                 }
             }
 
             #[inline(always)]
-            fn slope<R: Real>(self, pair: [R; 2], penetration: R, force: R) -> R {
+            fn slope<R: Real>(self, pair: [R; 2], penetration: R, force_and_root: [R; 2]) -> R {
                 match self {
-                    $(Self::$form => super::$form.slope(pair, penetration, force),)+
+                    $(Self::$form => super::$form.slope(pair, penetration, force_and_root),)+
                 }
             }
 
@@ -91,6 +96,12 @@ macro_rules! elastic_laws {
             fn force(self, pair: &[f64; 2], penetration: f64) -> f64 {
                 match self {
                     $(Self::$form => super::$form.force(pair, penetration),)+
+                }
+            }
+
+            fn stiffness(self, pair: &[f64; 2], penetration: f64) -> f64 {
+                match self {
+                    $(Self::$form => super::$form.stiffness(pair, penetration),)+
                 }
             }
         }

@@ -24,13 +24,19 @@ impl Hertz {
 
 impl ElasticLaw for Hertz {
     #[inline(always)]
-    fn elastic<R: Real>(self, [stiffness, _]: [R; 2], penetration: R) -> R {
-        stiffness * penetration * penetration.sqrt()
+    fn elastic<R: Real>(self, pair: [R; 2], penetration: R) -> R {
+        self.elastic_and_root(pair, penetration)[0]
     }
 
     #[inline(always)]
-    fn slope<R: Real>(self, [stiffness, _]: [R; 2], penetration: R, _force: R) -> R {
-        stiffness * penetration.constant(1.5) * penetration.sqrt()
+    fn elastic_and_root<R: Real>(self, [stiffness, _]: [R; 2], penetration: R) -> [R; 2] {
+        let root = penetration.sqrt();
+        [stiffness * penetration * root, root]
+    }
+
+    #[inline(always)]
+    fn slope<R: Real>(self, [stiffness, _]: [R; 2], penetration: R, [_, root]: [R; 2]) -> R {
+        stiffness * penetration.constant(1.5) * root
     }
 
     fn stored(self, _: &[f64; 2], penetration: f64, force: f64) -> f64 {

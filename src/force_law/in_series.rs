@@ -31,8 +31,9 @@ pub(crate) fn depth_in_series<R: Real>(
     let (mut x, mut low, mut high) = (depth, zero, depth);
     let mut moves = depth.greater(zero);
     for round in 0..MOST_STEPS {
-        let force = law.elastic(pair, x);
-        let slope = law.slope(pair, x, force);
+        let force_and_root = law.elastic_and_root(pair, x);
+        let slope = law.slope(pair, x, force_and_root);
+        let [force, _] = force_and_root;
         let excess = compliance.mul_add(force, x - depth);
         let above = excess.greater(zero);
         high = above.select(x, high);
@@ -180,7 +181,7 @@ mod tests {
             penetration.constant(1e18) * penetration * penetration * penetration
         }
 
-        fn slope<R: Real>(self, _: [R; 2], penetration: R, _: R) -> R {
+        fn slope<R: Real>(self, _: [R; 2], penetration: R, _: [R; 2]) -> R {
             penetration.constant(3e18) * penetration * penetration
         }
 
@@ -214,7 +215,7 @@ mod tests {
             jump.select(penetration.constant(1.0), penetration.constant(0.0))
         }
 
-        fn slope<R: Real>(self, _: [R; 2], penetration: R, _: R) -> R {
+        fn slope<R: Real>(self, _: [R; 2], penetration: R, _: [R; 2]) -> R {
             penetration.constant(0.0)
         }
 

@@ -54,7 +54,7 @@ impl ElasticLaw for Logarithmic {
     /// Return the slope from d ln f = -dx and d ln δ = -x/(1 + x) dx. At the end of the branch, where it is infinite, it is bounded by 1/ε
     /// times the secant stiffness.
     #[inline(always)]
-    fn slope<R: Real>(self, [end, stiffness]: [R; 2], penetration: R, force: R) -> R {
+    fn slope<R: Real>(self, [end, stiffness]: [R; 2], penetration: R, [force, _]: [R; 2]) -> R {
         // The force is the secant's force over 1 + x; its slope is the secant stiffness over x.
         let number = |value| penetration.constant(value);
         let least = number(LEAST);

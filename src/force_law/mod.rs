@@ -117,8 +117,14 @@ pub(crate) trait ElasticLaw: Copy {
     /// Return the elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; NaN is kept.
     fn elastic<R: Real>(self, pair: [R; 2], penetration: R) -> R;
 
-    /// Return the slope df/dδ \[N/m\] from the penetration and this force; zero at zero.
-    fn slope<R: Real>(self, pair: [R; 2], penetration: R, force: R) -> R;
+    /// Return the elastic force, and the square root in it. Where a law has none, it returns the force again.
+    #[inline(always)]
+    fn elastic_and_root<R: Real>(self, pair: [R; 2], penetration: R) -> [R; 2] {
+        [self.elastic(pair, penetration); 2]
+    }
+
+    /// Return the slope df/dδ \[N/m\] from the penetration, its force and the square root in it; zero at zero.
+    fn slope<R: Real>(self, pair: [R; 2], penetration: R, force_and_root: [R; 2]) -> R;
 
     /// Return the energy stored at a penetration δ > 0 \[J\], the integral of the force, whose value there is `force`.
     fn stored(self, pair: &[f64; 2], penetration: f64, force: f64) -> f64;
@@ -141,7 +147,11 @@ pub(crate) trait ElasticLaw: Copy {
         if penetration <= 0.0 {
             return 0.0;
         }
-        self.slope(*pair, penetration, self.force(pair, penetration))
+        self.slope(
+            *pair,
+            penetration,
+            self.elastic_and_root(*pair, penetration),
+        )
     }
 
     /// Return the energy stored at any penetration \[J\]; zero for δ <= 0.

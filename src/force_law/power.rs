@@ -56,7 +56,7 @@ impl ElasticLaw for Power {
     }
 
     #[inline(always)]
-    fn slope<R: Real>(self, [_, n]: [R; 2], penetration: R, force: R) -> R {
+    fn slope<R: Real>(self, [_, n]: [R; 2], penetration: R, [force, _]: [R; 2]) -> R {
         n * force / penetration.max(penetration.constant(LEAST))
     }
 
@@ -74,6 +74,15 @@ impl ElasticLaw for Power {
         } else {
             self.elastic(*pair, penetration)
         }
+    }
+
+    /// Return the slope from that force.
+    fn stiffness(self, pair: &[f64; 2], penetration: f64) -> f64 {
+        if penetration <= 0.0 {
+            return 0.0;
+        }
+        let force = self.force(pair, penetration);
+        self.slope(*pair, penetration, [force; 2])
     }
 }
 

@@ -242,7 +242,7 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
             law_constants[0] = remembered.select(at(run.kept_constants[0]), law_constants[0]);
             law_constants[1] = remembered.select(at(run.kept_constants[1]), law_constants[1]);
         }
-        let elastic = self.form.elastic(law_constants, depth);
+        let [elastic, root] = self.form.elastic_and_root(law_constants, depth);
         let mut across = zero;
         let contact = if DAMPED {
             if FRICTION {
@@ -264,7 +264,7 @@ impl<S: Simd, G: Gap<S>, const DAMPED: bool, const FRICTION: bool, const BRISTLE
             self.sums[3].add(b, contact.power());
         }
         if let Some(slopes) = &mut run.slopes {
-            let alone = self.form.slope(law_constants, depth, elastic);
+            let alone = self.form.slope(law_constants, depth, [elastic, root]);
             let [stiffness, damping] = contact.slopes(alone);
             let entries = [nx, ny, force, stiffness, damping, curvature];
             let (group, part) = group_of::<S, _>(slopes, b);

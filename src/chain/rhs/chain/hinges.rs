@@ -271,7 +271,9 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             let compliance = load(simd, &compliance[i]);
             contact_depth = depth_in_series(self.form, self.law_constants, compliance, depth);
         }
-        let elastic = self.form.elastic(self.law_constants, contact_depth);
+        let [elastic, root] = self
+            .form
+            .elastic_and_root(self.law_constants, contact_depth);
         // f = f_e(δ) max(0, 1 + λ δ'/δ'₀).
         let contact = if DAMPED {
             let rate = nx.mul_add(velocity[0], ny * velocity[1]);
@@ -290,7 +292,9 @@ impl<'a, S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool
             self.power.add(i, contact.power());
         }
         if let Some(slopes) = &mut self.slopes {
-            let mut elastic_slope = self.form.slope(self.law_constants, contact_depth, elastic);
+            let mut elastic_slope =
+                self.form
+                    .slope(self.law_constants, contact_depth, [elastic, root]);
             if EXTRA && let Some(compliance) = self.compliance {
                 // Series of stiffness k and compliance c: k/(1 + c k).
                 let compliance = load(simd, &compliance[i]);
