@@ -88,7 +88,7 @@ impl<T> Pack8<T> {
 
 impl Pack8 {
     /// Return the same number eight times. (Arithmetic reads such a constant from memory; a single number is first copied to all lanes.)
-    pub(crate) fn all(value: f64) -> Self {
+    pub(crate) const fn all(value: f64) -> Self {
         Self([value; WIDTH])
     }
 

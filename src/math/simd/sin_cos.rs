@@ -4,9 +4,11 @@
 //! exact. The error of r is therefore half a unit in the last place, also near multiples of π/2. The polynomials on |r| <= π/4 are those of
 //! fdlibm's `k_sin.c` and `k_cos.c`.
 
+use std::hint::black_box;
+
 use pulp::Simd;
 
-use super::{Lanes, load, partial_load, vectors_mut};
+use super::{Lanes, Pack8, load, partial_load, read, vectors_mut};
 
 /// Largest |x| of the vector code; larger angles are evaluated one by one by std.
 const LIMIT: f64 = 1e6;
@@ -46,12 +48,46 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
+/// Constants of [`of_moderate`], each a whole pack.
+struct Constants {
+    two_over_pi: Pack8,
+    half_pi: [Pack8; HALF_PI.len()],
+    sine: [Pack8; SINE.len()],
+    cosine: [Pack8; COSINE.len()],
+}
+
+static CONSTANTS: Constants = Constants {
+    two_over_pi: Pack8::all(std::f64::consts::FRAC_2_PI),
+    half_pi: packs_of(HALF_PI),
+    sine: packs_of(SINE),
+    cosine: packs_of(COSINE),
+};
+
+/// Return a pack of each number.
+const fn packs_of<const N: usize>(numbers: [f64; N]) -> [Pack8; N] {
+    let mut packs = [Pack8::all(0.0); N];
+    let mut i = 0;
+    while i < N {
+        packs[i] = Pack8::all(numbers[i]);
+        i += 1;
+    }
+    packs
+}
+
+/// Return the constants.
+///
+/// Arithmetic reads them from memory. If the compiler knew the numbers, it would copy each one to all lanes in every turn of a loop.
+#[inline(always)]
+fn constants() -> &'static Constants {
+    black_box(&CONSTANTS)
+}
+
 /// Return (sin x, cos x) of angles \[rad\] of any size, to 1.5 units in the last place; NaN where x is not finite.
 ///
 /// The sine of -0 is 0.
 #[inline(always)]
 pub(crate) fn sin_cos<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    let (mut sine, mut cosine) = of_moderate(x);
+    let (mut sine, mut cosine) = of_moderate(x, constants());
     if x.abs().exceeds(x.constant(LIMIT)).any() {
         let (mut sines, mut cosines) = ([sine.values()], [cosine.values()]);
         replace_the_others(
@@ -71,6 +107,7 @@ pub(crate) fn write_sin_cos<S: Simd>(simd: S, angles: &[f64], cos: &mut [f64], s
     let (whole, rest) = S::as_simd_f64s(angles);
     let blocks = whole.len() + usize::from(!rest.is_empty());
     let mut largest = Lanes::splat(simd, 0.0);
+    let constants = constants();
     {
         let (cos, sin) = (vectors_mut::<S>(cos, blocks), vectors_mut::<S>(sin, blocks));
         // No closure for both kinds of vectors: it would lose the instruction set.
@@ -79,7 +116,7 @@ pub(crate) fn write_sin_cos<S: Simd>(simd: S, angles: &[f64], cos: &mut [f64], s
                 Some(x) => load(simd, x),
                 None => partial_load(simd, rest),
             };
-            let (s, c) = of_moderate(x);
+            let (s, c) = of_moderate(x, constants);
             (cos[i], sin[i]) = (c.values(), s.values());
             // The maximum drops NaN or keeps it: its sine and cosine are NaN already.
             largest = x.abs().max(largest);
@@ -92,21 +129,22 @@ pub(crate) fn write_sin_cos<S: Simd>(simd: S, angles: &[f64], cos: &mut [f64], s
 
 /// Return (sin x, cos x) for |x| up to [`LIMIT`].
 #[inline(always)]
-fn of_moderate<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+fn of_moderate<S: Simd>(x: Lanes<S>, constants: &Constants) -> (Lanes<S>, Lanes<S>) {
     let simd = x.simd();
     // The addition of 1.5 2^52 rounds to an integer, whose last bits are those of the sum.
     let magic = x.constant(1.5 * (1u64 << 52) as f64);
-    let shifted = x.mul_add(x.constant(std::f64::consts::FRAC_2_PI), magic);
+    let shifted = x.mul_add(constants.two_over_pi.at(simd, 0), magic);
     let k = shifted - magic;
-    let less = |r: Lanes<S>, part| k.negate_mul_add(x.constant(part), r);
+    let less = |r: Lanes<S>, part| k.negate_mul_add(part, r);
     let r = if S::IS_SCALAR {
-        HALF_PI_IN_SHORT_PARTS.into_iter().fold(x, less)
+        let parts = HALF_PI_IN_SHORT_PARTS.map(|part| x.constant(part));
+        parts.into_iter().fold(x, less)
     } else {
-        HALF_PI.into_iter().fold(x, less)
+        read(simd, &constants.half_pi, 0).into_iter().fold(x, less)
     };
     let z = r * r;
-    let sine = (r * z).mul_add(polynomial(z, SINE), r);
-    let cosine = polynomial(z, COSINE)
+    let sine = (r * z).mul_add(polynomial(z, read(simd, &constants.sine, 0)), r);
+    let cosine = polynomial(z, read(simd, &constants.cosine, 0))
         .mul_add(z, x.constant(-0.5))
         .mul_add(z, x.constant(1.0));
 
@@ -135,8 +173,7 @@ fn with_sign<S: Simd>(value: Lanes<S>, quadrant: S::u64s) -> Lanes<S> {
 
 /// Return the polynomial with these coefficients in powers of z, by Horner's scheme.
 #[inline(always)]
-fn polynomial<S: Simd>(z: Lanes<S>, coefficients: [f64; 6]) -> Lanes<S> {
-    let [a, b, c, d, e, f] = coefficients.map(|coefficient| z.constant(coefficient));
+fn polynomial<S: Simd>(z: Lanes<S>, [a, b, c, d, e, f]: [Lanes<S>; 6]) -> Lanes<S> {
     f.mul_add(z, e)
         .mul_add(z, d)
         .mul_add(z, c)
