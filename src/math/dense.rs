@@ -25,6 +25,14 @@ impl Dense {
         self.entries.fill(0.0);
     }
 
+    /// Set all entries to zero but those of the diagonal.
+    pub(crate) fn set_diagonal(&mut self, diagonal: &[f64]) {
+        self.clear();
+        for (i, &value) in diagonal.iter().enumerate() {
+            self.entries[i * (self.size + 1)] = value;
+        }
+    }
+
     /// Add `value` to one entry.
     #[inline]
     pub(crate) fn add(&mut self, row: usize, column: usize, value: f64) {

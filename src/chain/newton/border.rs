@@ -129,10 +129,7 @@ impl Corner {
                 self.own[*index - start] += gamma * (back.max(forth) + gamma * stiffness);
             }
         }
-        self.matrix.clear();
-        for (i, &own) in self.own.iter().enumerate() {
-            self.matrix.add(i, i, own);
-        }
+        self.matrix.set_diagonal(&self.own);
     }
 
     /// Return whether teeth contribute less than this share to each diagonal entry.

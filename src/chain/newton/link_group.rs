@@ -154,6 +154,15 @@ impl<'a, S: Vectors> Bushings<'a, S> {
     pub(super) fn of_three([x, y, z]: &'a [Numbers<S::Number>; 3], count: usize) -> [Self; 3] {
         [Self::of(x, count), Self::of(y, count), Self::of(z, count)]
     }
+
+    /// Return an array without bushings, for one that is not read.
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        Self {
+            front: &[],
+            rear: &[],
+        }
+    }
 }
 
 /// Input of the links' elimination.
@@ -176,7 +185,7 @@ pub(super) struct LinkRows<'a, S: Vectors> {
     sin: &'a [Pack],
     front_force: [&'a [Pack]; 2],
     rear_force: [&'a [Pack]; 2],
-    /// Arms of the contact points of the hinges at front and rear, see [`FrictionArms`].
+    /// Arms of the contact points of the hinges at front and rear, see [`FrictionArms`]; empty without friction.
     front_arms: [&'a [S::Vector]; 2],
     rear_arms: [&'a [S::Vector]; 2],
 }
@@ -184,25 +193,31 @@ pub(super) struct LinkRows<'a, S: Vectors> {
 impl<'a, S: Vectors> LinkRows<'a, S> {
     /// Return the arrays of `groups` groups of links.
     #[inline(always)]
-    pub(super) fn of(of: &Linked<'a, S::Number>, groups: usize) -> Self {
+    pub(super) fn of<const FRICTION: bool>(of: &Linked<'a, S::Number>, groups: usize) -> Self {
         let count = groups * parts::<S>().len();
         let [front_x, front_y] = of.front_force;
         let [rear_x, rear_y] = of.rear_force;
-        let ([front_u, front_v], [rear_u, rear_v]) = (&of.arms.front, &of.arms.rear);
+        let none: [&[S::Vector]; 2] = [&[], &[]];
+        let (mut front_arms, mut rear_arms) = (none, none);
+        if FRICTION {
+            let ([front_u, front_v], [rear_u, rear_v]) = (&of.arms.front, &of.arms.rear);
+            front_arms = [
+                vectors_from::<S>(front_u, BASE, count),
+                vectors_from::<S>(front_v, BASE, count),
+            ];
+            rear_arms = [
+                vectors_from::<S>(rear_u, BASE - 1, count),
+                vectors_from::<S>(rear_v, BASE - 1, count),
+            ];
+        }
         Self {
             gamma_squared: of.gamma * of.gamma,
             cos: packs(of.direction[0], groups),
             sin: packs(of.direction[1], groups),
             front_force: [packs(front_x, groups), packs(front_y, groups)],
             rear_force: [packs(rear_x, groups), packs(rear_y, groups)],
-            front_arms: [
-                vectors_from::<S>(front_u, BASE, count),
-                vectors_from::<S>(front_v, BASE, count),
-            ],
-            rear_arms: [
-                vectors_from::<S>(rear_u, BASE - 1, count),
-                vectors_from::<S>(rear_v, BASE - 1, count),
-            ],
+            front_arms,
+            rear_arms,
         }
     }
 

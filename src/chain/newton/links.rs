@@ -97,11 +97,13 @@ impl<T: Number> LinkTerms<T> {
             &mut self.levers[..number_of_groups],
         );
         let count = number_of_groups * parts::<S>().len();
-        let links = LinkRows::<S>::of(of, number_of_groups);
-        let teeth = (
-            &Bushings::of_three(&of.teeth.tooth_stiffness, count),
-            &Bushings::of_three(&of.teeth.spun, count),
-        );
+        let links = LinkRows::<S>::of::<FRICTION>(of, number_of_groups);
+        let spun = if FRICTION {
+            Bushings::of_three(&of.teeth.spun, count)
+        } else {
+            [Bushings::none(); 3]
+        };
+        let teeth = (&Bushings::of_three(&of.teeth.tooth_stiffness, count), &spun);
         let front = three_mut::<S>(&mut self.front, count);
         let rear = three_mut::<S>(&mut self.rear, count);
         let [xx, xy, yx, yy] = &mut self.between;
@@ -354,7 +356,8 @@ impl<T: Number> LinkTerms<T> {
         }
     }
 
-    /// Gather one column of the border from bushings to links, link by link: F^T and R^T times their values.
+    /// Gather one column of the border from bushings to links, link by link: F^T and R^T times their values. Groups that touch no teeth are
+    /// left out: nothing reads them.
     #[inline(always)]
     pub(super) fn gather_column<S: Vectors<Number = T>, const FRICTION: bool>(
         &self,
@@ -364,22 +367,28 @@ impl<T: Number> LinkTerms<T> {
     ) {
         let count = self.groups.len();
         let parts = parts::<S>();
-        let from = Bushings::<S>::of_three(from, count * parts.len());
+        let [x, y, moment] = from;
+        let vectors = count * parts.len();
+        let (x, y) = (Bushings::<S>::of(x, vectors), Bushings::of(y, vectors));
+        let moment = if FRICTION {
+            Bushings::of(moment, vectors)
+        } else {
+            Bushings::none()
+        };
         let (groups, column) = (&self.groups[..count], &mut column[..count]);
         for number in 0..count {
             let (group, column) = (&groups[number], &mut column[number]);
             if !group.touches_teeth {
-                *column = [Pack8::default(); 3];
                 continue;
             }
             for part in parts.clone() {
                 let place = (number * parts.len() + part, part);
                 let [u, v] = read(simd, &group.lever, part);
-                let [front_x, rear_x] = group.of_ends(simd, &from[0], place);
-                let [front_y, rear_y] = group.of_ends(simd, &from[1], place);
+                let [front_x, rear_x] = group.of_ends(simd, &x, place);
+                let [front_y, rear_y] = group.of_ends(simd, &y, place);
                 let mut turn = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
                 if FRICTION {
-                    let [front, rear] = group.of_ends(simd, &from[2], place);
+                    let [front, rear] = group.of_ends(simd, &moment, place);
                     turn = turn + (front + rear);
                 }
                 write(column, part, [front_x + rear_x, front_y + rear_y, turn]);

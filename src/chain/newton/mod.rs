@@ -352,7 +352,8 @@ impl<T: Number> Factors<T> {
         evaluated: &Evaluated,
         gamma: f64,
     ) {
-        self.teeth.clear::<FRICTION>(model.links);
+        let overhang = evaluated.candidates.overhang;
+        self.teeth.clear::<FRICTION>(model.links, overhang);
         let supports = (evaluated.poses, evaluated.pawls);
         self.corner.start(model, supports, gamma);
         // With γ = 0 contacts have no effect, and may be those of an evaluation without slopes.
@@ -361,10 +362,11 @@ impl<T: Number> Factors<T> {
         } else {
             &[]
         };
+        let mut columns = 0..0;
         for (s, candidates) in sprockets.iter().enumerate() {
             motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
             let SprocketMotions { first, motions } = &motions[s];
-            AddTeeth::<FRICTION> {
+            let teeth = AddTeeth::<FRICTION> {
                 gamma,
                 pose: &evaluated.poses[s],
                 candidates,
@@ -373,12 +375,12 @@ impl<T: Number> Factors<T> {
                 motions,
                 first: *first,
                 bushing_radius: model.teeth.contact_radius,
-            }
-            .add(simd, &mut self.teeth, &mut self.corner);
+            };
+            teeth.add(simd, &mut self.teeth, &mut self.corner);
+            columns = teeth.columns_behind(model.links, columns);
         }
-        let overhang = evaluated.candidates.overhang;
         self.teeth
-            .fold_overhang::<S, FRICTION>(simd, model.links, overhang);
+            .fold_overhang::<S, FRICTION>(simd, model.links, columns);
         if let Some(rollers) = &mut self.rollers {
             let bores = &slopes.rollers;
             let (teeth, corner) = (&mut self.teeth, &mut self.corner);
@@ -464,10 +466,14 @@ impl<S: Vectors> RightHand<S> for Column<'_, S::Number> {
     fn at(
         &self,
         simd: S,
-        _group: &LinkGroup<S::Number>,
+        group: &LinkGroup<S::Number>,
         (number, part): (usize, usize),
     ) -> [Lanes<S>; 3] {
-        read(simd, &self.0[number], part)
+        if group.touches_teeth {
+            read(simd, &self.0[number], part)
+        } else {
+            [Lanes::splat(simd, 0.0); 3]
+        }
     }
 }
 

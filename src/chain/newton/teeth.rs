@@ -1,13 +1,15 @@
 //! Terms of the contacts between bushings and teeth: stiffness of the teeth at each bushing, and columns of the sprockets' own
 //! coordinates. The matrix is symmetric: the columns are rows too.
 
+use std::ops::Range;
+
 use super::border::Corner;
 use super::contacts::scaled;
 use super::ring::BASE;
 use super::tooth_motion::{BorderMotion, MOST, ToothMotion};
 use crate::chain::arrays::pose::SprocketPose;
 use crate::chain::arrays::slopes::{ContactSlopes, SlopeGroup};
-use crate::chain::contact::SprocketCandidates;
+use crate::chain::contact::{BushingRun, SprocketCandidates};
 use crate::math::simd::{
     Lanes, Number, Numbers, Pack, PartialSums, Vectors, WIDTH, fold_packs, packs_from,
     packs_from_mut, padded, padded_zeros, part_of, parts, put_part, read_rounded, rounded_part,
@@ -26,13 +28,16 @@ pub(super) struct ToothTerms<T: Number> {
     pub(super) column: Vec<[Numbers<T>; 3]>,
     /// Marks of the groups that are not zero.
     touched: Vec<bool>,
+    /// Number of entries behind the last bushing that the runs of candidates may have written.
+    overhang: usize,
 }
 
-/// Run `$each` for every array of terms; for those of moments only with `$friction`. (An iterator over all arrays is not inlined.)
+/// Run `$each` for every array of terms, with these columns; for those of moments only with `$friction`. (An iterator over all arrays is not
+/// inlined.)
 macro_rules! each_array {
-    ($terms:expr, $friction:expr, |$array:ident| $each:block) => {
+    ($terms:expr, $columns:expr, $friction:expr, |$array:ident| $each:block) => {
         for $array in &mut $terms.tooth_stiffness $each
-        for [x, y, moment] in &mut $terms.column {
+        for [x, y, moment] in &mut $terms.column[$columns] {
             for $array in [x, y] $each
             if $friction {
                 let $array = moment;
@@ -55,17 +60,19 @@ impl<T: Number> ToothTerms<T> {
             spun: [(); 3].map(|()| zeros()),
             column: (0..border).map(|_| [(); 3].map(|()| zeros())).collect(),
             touched: vec![false; room / WIDTH],
+            overhang: 0,
         }
     }
 
-    /// Set the terms of all groups of `links` bushings to zero. Terms behind them are zero since [`Self::fold_overhang`], which ends each
-    /// assembly of teeth.
+    /// Set all terms of `links` bushings to zero, for runs that reach `overhang` entries behind the last one.
     #[inline(always)]
-    pub(super) fn clear<const FRICTION: bool>(&mut self, links: usize) {
+    pub(super) fn clear<const FRICTION: bool>(&mut self, links: usize, overhang: usize) {
         self.touched.fill(false);
-        each_array!(self, FRICTION, |array| {
-            array[..BASE + padded(links)].fill(T::default());
+        let written = BASE + (links + self.overhang).next_multiple_of(WIDTH);
+        each_array!(self, .., FRICTION, |array| {
+            array[..written].fill(T::default());
         });
+        self.overhang = overhang;
     }
 
     /// Mark the group with bushing `k`.
@@ -74,10 +81,13 @@ impl<T: Number> ToothTerms<T> {
         self.touched[k / WIDTH] = true;
     }
 
-    /// Copy the last one of `links` bushings to the entry before the first.
+    /// Copy the last one of `links` bushings to the entry before the first, where it is not zero.
     #[inline(always)]
     pub(super) fn repeat_last<const FRICTION: bool>(&mut self, links: usize) {
-        each_array!(self, FRICTION, |array| {
+        if !self.touches(links - 1) {
+            return;
+        }
+        each_array!(self, .., FRICTION, |array| {
             array[BASE - 1] = array[BASE + links - 1];
         });
     }
@@ -88,30 +98,25 @@ impl<T: Number> ToothTerms<T> {
         self.touched[k / WIDTH]
     }
 
-    /// Add the terms that runs past the last bushing have written behind it to the first bushings. Copy the last bushing to the
-    /// entry before the first.
+    /// Add the terms that runs past the last bushing have written behind it to the first bushings. Only these `columns` have such terms. Copy
+    /// the last bushing to the entry before the first.
     #[inline(always)]
     pub(super) fn fold_overhang<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
         links: usize,
-        overhang: usize,
+        columns: Range<usize>,
     ) {
-        let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
-        let past = overhang > 0 && self.touched[behind].contains(&true);
-        if past {
-            self.touched[..overhang.div_ceil(WIDTH)].fill(true);
+        let behind = links / WIDTH..(links + self.overhang).div_ceil(WIDTH);
+        if self.overhang > 0 && self.touched[behind].contains(&true) {
+            let count = self.overhang.div_ceil(WIDTH);
+            self.touched[..count].fill(true);
+            each_array!(self, columns, FRICTION, |array| {
+                // Entries behind the overhang are zero.
+                fold_packs(simd, &mut array[BASE..], links, count);
+            });
         }
-        if !past && !self.touches(links - 1) {
-            return;
-        }
-        let count = if past { overhang.div_ceil(WIDTH) } else { 0 };
-        each_array!(self, FRICTION, |array| {
-            // Entries behind the overhang are zero.
-            fold_packs(simd, &mut array[BASE..], links, count);
-            array[BASE + links..][..count * WIDTH].fill(T::default());
-            array[BASE - 1] = array[BASE + links - 1];
-        });
+        self.repeat_last::<FRICTION>(links);
     }
 }
 
@@ -128,6 +133,22 @@ pub(super) struct AddTeeth<'a, const FRICTION: bool> {
     /// Coordinates of the sprocket; the first is number `first` on the border.
     pub(super) motions: &'a [BorderMotion],
     pub(super) first: usize,
+}
+
+impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
+    /// Return the columns with terms behind the last one of `links` bushings; `others` are those of other sprockets.
+    #[inline(always)]
+    pub(super) fn columns_behind(&self, links: usize, others: Range<usize>) -> Range<usize> {
+        let passes = |run: &BushingRun| run.first + run.length > links;
+        if !self.candidates.runs.iter().any(passes) {
+            return others;
+        }
+        let own = self.first..self.first + self.motions.len();
+        if others.is_empty() {
+            return own;
+        }
+        others.start.min(own.start)..others.end.max(own.end)
+    }
 }
 
 impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
@@ -153,6 +174,7 @@ impl<const FRICTION: bool> AddTeeth<'_, FRICTION> {
                 spun,
                 column,
                 touched,
+                ..
             } = &mut *terms;
             let first = BASE + run.first;
             let mut terms = TermsOfRun {
