@@ -121,10 +121,12 @@ def _run_in_pool(
                 bar.update(before + ensemble.simulated - bar.n)
                 if fetched is None:
                     yield None
-            place, core, failure = fetched
-            case = ready[place]
+            number, core, failure = fetched
+            case = ready[number]
             if core is not None and case.scene.positions is not None:
-                warn(changes_of_start(case.scene, start_of(case.scene)[0], core.start()))
+                positions, velocities = core.start()
+                place, _ = start_of(case.scene)
+                warn(changes_of_start(case.scene, place, (positions, velocities)))
             yield case, _fetched(case, core, failure, measure)
     finally:
         ensemble.close()

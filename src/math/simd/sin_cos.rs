@@ -76,7 +76,7 @@ const fn packs_of<const N: usize>(numbers: [f64; N]) -> [Pack8; N] {
 
 /// Return the constants.
 ///
-/// Arithmetic reads them from memory. If the compiler knew the numbers, it would copy each one to all lanes in every turn of a loop.
+/// Arithmetic reads them from memory. Without `black_box` each number would be copied to all lanes in every turn of a loop.
 #[inline(always)]
 fn constants() -> &'static Constants {
     black_box(&CONSTANTS)
