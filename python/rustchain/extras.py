@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import pandas as pandas
     import typer as typer
     import xarray as xarray
+    from scipy import interpolate as interpolate
     from scipy import signal as signal
     from scipy import stats as stats
     from tqdm import auto as auto
@@ -23,6 +24,7 @@ MODULES = {
     "xarray": ("xarray", "io"),
     "h5py": ("h5py", "io"),
     "pandas": ("pandas", "io"),
+    "interpolate": ("scipy.interpolate", "analysis"),
     "signal": ("scipy.signal", "analysis"),
     "stats": ("scipy.stats", "analysis"),
     "auto": ("tqdm.auto", "cli"),

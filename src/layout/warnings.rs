@@ -126,7 +126,9 @@ fn ramp_warning(drive: &Drive, layout: &Layout) -> Option<String> {
         SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => 0.0,
     };
     let line = tensioner.line(drive).ok()?;
-    let share = line.pull / (2.0 * tensioner.pretension) / pitch_radius(drive, loaded);
+    let stiffness = tensioner.stiffness;
+    let of_strands = line.pull - stiffness * line.taut_at.unwrap_or(0.0);
+    let share = of_strands / (2.0 * tensioner.pretension) / pitch_radius(drive, loaded);
     let (mass, _) = drive.sprockets[tensioner.sprocket - 1].mass_properties(&drive.chain);
     let damping = tensioner.damping_back.unwrap_or(tensioner.damping);
     let step = tensioner.ramp_time / f64::from(RAMP_STEPS);
@@ -134,7 +136,9 @@ fn ramp_warning(drive: &Drive, layout: &Layout) -> Option<String> {
     for i in 1..=RAMP_STEPS {
         let t = f64::from(i) * step;
         let push = share * torque(t).abs() - line.pull * t / tensioner.ramp_time;
-        velocity = (mass * velocity + step * push) / (mass + step * damping);
+        // Backward Euler: stable for a stiff spring.
+        let push = push - stiffness * displacement;
+        velocity = (mass * velocity + step * push) / (mass + step * (damping + step * stiffness));
         displacement += step * velocity;
         if displacement < 0.0 {
             (displacement, velocity) = (0.0, 0.0);

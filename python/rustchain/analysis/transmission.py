@@ -189,7 +189,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     a line, amplitudes are up to 15 % low. Of less than one revolution, all of it counts. A linear
     drift is removed, then Hann's window is applied: a line covers three orders of the spectrum.
     """
-    from rustchain.extras import signal
+    from rustchain.extras import interpolate, signal
 
     turned = angle * np.sign(angle[-1])
     path = np.abs(np.diff(angle)).sum()
@@ -213,9 +213,10 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     count = max(round((len(onward) - 1) * span / onward[-1]), _FEWEST)
     # Without its first angle, which is the last one of the revolution before.
     even = onward[-1] - span * np.arange(count)[::-1] / count
-    _, power = signal.periodogram(
-        np.interp(even, onward, values), window="hann", detrend="linear", scaling="spectrum"
-    )
+    # Straight lines between rows would lower an amplitude with few rows per cycle.
+    number = np.arange(len(values))
+    between = interpolate.CubicSpline(number, values)(np.interp(even, onward, number))
+    _, power = signal.periodogram(between, window="hann", detrend="linear", scaling="spectrum")
     order = np.arange(len(power)) / revolutions
     return order, np.sqrt(2.0 * power)
 

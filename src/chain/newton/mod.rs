@@ -352,8 +352,7 @@ impl<T: Number> Factors<T> {
         evaluated: &Evaluated,
         gamma: f64,
     ) {
-        let overhang = evaluated.candidates.overhang;
-        self.teeth.clear::<FRICTION>(model.links, overhang);
+        self.teeth.clear::<FRICTION>(model.links);
         let supports = (evaluated.poses, evaluated.pawls);
         self.corner.start(model, supports, gamma);
         // With γ = 0 contacts have no effect, and may be those of an evaluation without slopes.
@@ -379,8 +378,9 @@ impl<T: Number> Factors<T> {
             teeth.add(simd, &mut self.teeth, &mut self.corner);
             columns = teeth.columns_behind(model.links, columns);
         }
+        let places = (model.links, evaluated.candidates.overhang);
         self.teeth
-            .fold_overhang::<S, FRICTION>(simd, model.links, columns);
+            .fold_overhang::<S, FRICTION>(simd, places, columns);
         if let Some(rollers) = &mut self.rollers {
             let bores = &slopes.rollers;
             let (teeth, corner) = (&mut self.teeth, &mut self.corner);

@@ -28,8 +28,6 @@ pub(super) struct ToothTerms<T: Number> {
     pub(super) column: Vec<[Numbers<T>; 3]>,
     /// Marks of the groups that are not zero.
     touched: Vec<bool>,
-    /// Number of entries behind the last bushing that the runs of candidates may have written.
-    overhang: usize,
 }
 
 /// Run `$each` for every array of terms, with these columns; for those of moments only with `$friction`. (An iterator over all arrays is not
@@ -60,19 +58,17 @@ impl<T: Number> ToothTerms<T> {
             spun: [(); 3].map(|()| zeros()),
             column: (0..border).map(|_| [(); 3].map(|()| zeros())).collect(),
             touched: vec![false; room / WIDTH],
-            overhang: 0,
         }
     }
 
-    /// Set all terms of `links` bushings to zero, for runs that reach `overhang` entries behind the last one.
+    /// Set the terms of all groups of `links` bushings to zero. Terms behind them are zero since [`Self::fold_overhang`], which ends each
+    /// assembly of teeth.
     #[inline(always)]
-    pub(super) fn clear<const FRICTION: bool>(&mut self, links: usize, overhang: usize) {
+    pub(super) fn clear<const FRICTION: bool>(&mut self, links: usize) {
         self.touched.fill(false);
-        let written = BASE + (links + self.overhang).next_multiple_of(WIDTH);
         each_array!(self, .., FRICTION, |array| {
-            array[..written].fill(T::default());
+            array[..BASE + padded(links)].fill(T::default());
         });
-        self.overhang = overhang;
     }
 
     /// Mark the group with bushing `k`.
@@ -104,16 +100,17 @@ impl<T: Number> ToothTerms<T> {
     pub(super) fn fold_overhang<S: Vectors<Number = T>, const FRICTION: bool>(
         &mut self,
         simd: S,
-        links: usize,
+        (links, overhang): (usize, usize),
         columns: Range<usize>,
     ) {
-        let behind = links / WIDTH..(links + self.overhang).div_ceil(WIDTH);
-        if self.overhang > 0 && self.touched[behind].contains(&true) {
-            let count = self.overhang.div_ceil(WIDTH);
+        let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
+        if overhang > 0 && self.touched[behind].contains(&true) {
+            let count = overhang.div_ceil(WIDTH);
             self.touched[..count].fill(true);
             each_array!(self, columns, FRICTION, |array| {
-                // Entries behind the overhang are zero.
+                // Entries behind the overhang are zero. The last group of rollers contains the first of them.
                 fold_packs(simd, &mut array[BASE..], links, count);
+                array[BASE + links..][..count * WIDTH].fill(T::default());
             });
         }
         self.repeat_last::<FRICTION>(links);

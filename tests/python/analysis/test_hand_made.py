@@ -138,6 +138,13 @@ def test_the_amplitude_at_a_tooth_order_is_that_of_a_sine_over_any_angle(revolut
     assert order[1] == pytest.approx(1.0 / math.floor(revolutions + 1e-6))
 
 
+@pytest.mark.parametrize("revolutions", [3.1, 3.37, 3.77, 10.3])
+def test_six_rows_of_a_cycle_are_enough_for_its_amplitude(revolutions):
+    angle = np.linspace(0.0, 2 * math.pi * revolutions, round(6 * 17 * revolutions) + 1)
+    _, amplitude = order_spectrum(angle, np.sin(17 * angle + 0.3))
+    assert amplitude.max() == pytest.approx(1.0, rel=5e-3)
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_shaft_that_first_turns_back_has_the_orders_of_the_way_on(sign):
     """It turns back by 3 rad and returns before it goes on: that is left out."""

@@ -214,6 +214,7 @@ def test_check_warns_of_a_load_that_pushes_the_centre_back_during_the_ramp():
         heavily_loaded(300.0, damping_back=1e5),
         heavily_loaded(300.0, travel=(0.0, 0.02)),
         heavily_loaded(300.0, ratchet=0.0),
+        heavily_loaded(300.0, stiffness=3e5),
     )
     for drive in held:
         assert not [w for w in drive.check().warnings if "jump" in w]
