@@ -52,8 +52,13 @@ def makers_of(kind: type) -> dict[str, Maker]:
 
 
 def _concrete(kind: type) -> list[type]:
-    """Return the classes that make a value of `kind`: itself, or those below an abstract one."""
-    below: list[type] = kind.__subclasses__()
+    """Return the classes that make a value of `kind`: itself, or those below an abstract one.
+
+    Classes that a user derives are no part of files, and leave those above them as they are.
+    """
+    package = __name__.partition(".")[0]
+    derived: list[type] = kind.__subclasses__()
+    below = [each for each in derived if each.__module__.partition(".")[0] == package]
     return [one for each in below for one in _concrete(each)] if below else [kind]
 
 

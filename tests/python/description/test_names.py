@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+from rustchain.files.models import makers_of
+from rustchain.files.scene import load_scene, save_scene
 
 
 @pytest.mark.parametrize(
@@ -101,6 +103,18 @@ def test_a_force_law_of_ones_own_is_refused_with_the_remedy():
     for law in (Own, rc.ForceLaw):
         with pytest.raises(rc.InvalidInput, match=r"one of the force laws .*add_callable"):
             law()
+
+
+def test_laws_of_files_are_those_of_the_package(tmp_path):
+    before = makers_of(rc.ForceLaw)
+
+    class Own(rc.Hertz):
+        """A law derived from one of the package."""
+
+    assert makers_of(rc.ForceLaw) == before
+    path = tmp_path / "drive.toml"
+    save_scene(rc.Scene(rc.paper_drive(), force_law=rc.Hertz()), path)
+    assert load_scene(path).force_law == rc.Hertz()
 
 
 def test_an_unknown_attribute_of_a_simulation_is_answered_with_the_nearest_name():
