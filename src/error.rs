@@ -121,6 +121,9 @@ const LONGEST_NUMBER: usize = 24;
 /// Maximum number of characters of a value in a message, one line of a terminal. The Python package has the same number.
 const LONGEST_VALUE: usize = 80;
 
+/// Maximum number of names in a message.
+const MOST_NAMES: usize = 8;
+
 /// Return a text whose numbers of hundreds of digits have an exponent.
 fn with_exponents(text: &str) -> String {
     let ends_number = |c: char| c.is_whitespace() || "(),;:".contains(c);
@@ -143,6 +146,19 @@ fn on_one_line(text: String) -> String {
         return shortened(&text);
     }
     text
+}
+
+/// Return names in quotes, for a message: the first eight, and how many more there are.
+pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let mut names = names.into_iter();
+    let first: Vec<String> = (names.by_ref().take(MOST_NAMES))
+        .map(|name| format!("{name:?}"))
+        .collect();
+    let first = first.join(", ");
+    match names.count() {
+        0 => first,
+        more => format!("{first} and {more} more"),
+    }
 }
 
 /// Return a number with so many digits behind the point; zero has no sign.

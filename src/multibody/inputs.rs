@@ -10,7 +10,7 @@ use super::description::force_element::{Force, ForceKind};
 use super::description::joint::Joint;
 use super::model::MechanismModel;
 use crate::drive::InputQuantity;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, listed};
 use crate::math::Signal;
 
 /// Speed of a driver or torque of a force element that replaces the one described.
@@ -169,14 +169,11 @@ impl MechanismModel {
 
 /// Return the error for a name that no driver or torque has.
 fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Error {
-    let known: Vec<String> = known.take(8).map(|name| format!("{name:?}")).collect();
+    let known = listed(known);
     let expected = if known.is_empty() {
         format!("the mechanism has no {kind}")
     } else {
-        format!(
-            "is no {kind} of this mechanism; there are {}",
-            known.join(", ")
-        )
+        format!("is no {kind} of this mechanism; there are {known}")
     };
     Error::invalid(kind, format!("{name:?}"), expected)
 }

@@ -12,7 +12,7 @@ use super::description::body::{Body, End, Frame, Marker};
 use super::description::force_element::{Force, ForceKind};
 use super::description::joint::{Joint, JointKind};
 use super::{GROUND, Mechanism};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, listed};
 use crate::geometry::{Vec2, turned_left};
 use crate::math::simd::InstructionSet;
 
@@ -260,12 +260,11 @@ impl MechanismModel {
             let point = marker.point;
             return Ok(End { body, point });
         }
-        let known = self.bodies.iter().take(8).map(|b| format!("{:?}", b.name));
-        let known: Vec<String> = known.collect();
+        let known = listed(self.bodies.iter().map(|body| body.name.as_str()));
         Err(Error::invalid(
             format!("body of {}", owner()),
             format!("{:?}", marker.body),
-            format!("there is no such body; there are {}", known.join(", ")),
+            format!("there is no such body; there are {known}"),
         ))
     }
 

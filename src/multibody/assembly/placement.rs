@@ -4,7 +4,7 @@ use super::changes::Changes;
 use super::outcome::Assembly;
 use super::projection::{AtHand, Projector};
 use super::start_warnings::loose_parts;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, listed};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
@@ -113,22 +113,21 @@ fn check_starts(model: &MechanismModel, frames: &[Frame]) -> Result<()> {
 
 /// Return one message for all joints with redundant constraints. `names` has one entry per equation.
 fn told_redundant(names: &[String]) -> Option<String> {
-    let mut joints: Vec<String> = Vec::new();
+    let mut joints: Vec<&str> = Vec::new();
     for name in names {
-        let quoted = format!("{name:?}");
-        if !joints.contains(&quoted) {
-            joints.push(quoted);
+        if !joints.contains(&name.as_str()) {
+            joints.push(name);
         }
     }
-    let last = joints.pop()?;
-    if joints.is_empty() {
-        return Some(format!(
-            "joint {last} is redundant; its reaction is that of least norm"
-        ));
+    match joints[..] {
+        [] => None,
+        [joint] => Some(format!(
+            "joint {joint:?} is redundant; its reaction is that of least norm"
+        )),
+        _ => Some(format!(
+            "joints {} are redundant ({} equations); their reactions are those of least norm",
+            listed(joints),
+            names.len()
+        )),
     }
-    Some(format!(
-        "joints {} and {last} are redundant ({} equations); their reactions are those of least norm",
-        joints.join(", "),
-        names.len()
-    ))
 }

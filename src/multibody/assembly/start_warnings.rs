@@ -1,5 +1,6 @@
 //! Warnings on the start: bodies without connection to the ground, and contacts with a large initial penetration.
 
+use crate::error::listed;
 use crate::multibody::contact::impact_memory::Memory;
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
@@ -69,19 +70,13 @@ pub(crate) fn loose_parts(model: &MechanismModel) -> Vec<String> {
     let mut numbers: Vec<usize> = part.iter().copied().filter(|&p| p != 0).collect();
     numbers.sort_unstable();
     numbers.dedup();
-    let names = |number: usize| {
-        let members = (0..part.len()).filter(|&i| part[i] == number);
-        let names: Vec<String> = members
-            .map(|i| format!("{:?}", model.bodies[i].name))
-            .collect();
-        names.join(", ")
-    };
     numbers
         .into_iter()
         .map(|number| {
+            let members = (0..part.len()).filter(|&i| part[i] == number);
             format!(
                 "nothing connects {} to the ground: they move by gravity and their own velocities only",
-                names(number)
+                listed(members.map(|i| model.bodies[i].name.as_str()))
             )
         })
         .collect()

@@ -194,6 +194,20 @@ def test_redundant_joints_are_told_in_one_message():
     assert "2 equations" in told[0]
 
 
+def test_a_message_lists_eight_names():
+    m = rc.Mechanism(gravity=(0.0, 0.0))
+    for k in range(20):
+        m.add_body(f"body {k}", 1.0, 1.0, (float(k), 0.0, 0.0))
+        if k:
+            m.add_fixed(f"joint {k}", f"body {k - 1}", f"body {k}", at=(k, 0.0))
+    (told,) = m.check().warnings
+    assert '"body 7" and 12 more to the ground' in told
+    assert "body 8" not in told
+    m.add_spring("spring", "ground", "body 20", 1.0)
+    with pytest.raises(rc.InvalidInput, match='there are .*"body 6" and 13 more'):
+        rc.Simulation(m)
+
+
 def run_in_a_star(accuracy):
     """Run a ball in a star-shaped hole, undamped."""
     angles = np.pi * np.arange(24) / 12
