@@ -607,15 +607,15 @@ def test_ctrl_c_ends_the_wait_for_the_thread_of_hdf5():
         heard_before.append(released.wait(60.0))
         return number
 
+    others = set(threading.enumerate())
     before = signal.signal(signal.SIGINT, press)
     try:
         with pytest.raises(KeyboardInterrupt):
             netcdf.beside(work, 1)
     finally:
         released.set()
-        for thread in threading.enumerate():
-            if thread.name.startswith("ThreadPoolExecutor"):
-                thread.join(60.0)
+        for thread in set(threading.enumerate()) - others:
+            thread.join(60.0)
         # Not before: the thread may press once more while the first signal is heard.
         signal.signal(signal.SIGINT, before)
     assert heard_before == [True]
