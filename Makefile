@@ -2,7 +2,6 @@
 # Needed on the machine: Rust (see rust-version in Cargo.toml), Python 3.10 or newer, make.
 
 PYTHON ?= python3
-BENCH_ARGS ?=
 PYTEST_ARGS ?=
 STRESS_ARGS ?=
 
@@ -127,8 +126,8 @@ lint-python: build $(STAMPS)/lint-tools
 
 # --- benchmarks: each prints its counts (evaluations, steps, contacts) beside the times
 
-bench: build ## Measure; BENCH_ARGS=--quick for a first look, BENCH_ARGS=hertz for one name
-	cargo bench --bench '*' -- $(BENCH_ARGS)
+bench: build ## Measure everything; cargo bench --bench NAME measures one of benches/NAME.rs
+	cargo bench --bench '*'
 	$(BIN)/python benches/numpy_reference.py
 
 bench-smoke: build reference-solvers ## Run every benchmark once, without measuring
@@ -138,17 +137,18 @@ bench-smoke: build reference-solvers ## Run every benchmark once, without measur
 	$(BIN)/python benches/practical.py --test
 	$(BIN)/python benches/features.py --test
 	$(BIN)/python benches/lanes_of_drives.py --test
+	$(BIN)/python benches/ideal_drive.py --test
 	$(BIN)/python benches/ideal_drive_peer.py --test
 	$(BIN)/python benches/work_precision.py --test
 
 practical: build ## Run practical scenes at two accuracies and write docs/performance/practical.md (three minutes)
-	OMP_NUM_THREADS=1 $(BIN)/python benches/practical.py --write $(BENCH_ARGS)
+	OMP_NUM_THREADS=1 $(BIN)/python benches/practical.py --write
 
 features: build ## Run the published drive with every feature in turn, and sweeps, and write docs/performance/features.md (ten minutes)
-	OMP_NUM_THREADS=1 $(BIN)/python benches/features.py --write $(BENCH_ARGS)
+	OMP_NUM_THREADS=1 $(BIN)/python benches/features.py --write
 
-robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md
-	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
+robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md (six minutes; two are known to fail)
+	$(BIN)/python benches/robustness.py --write
 
 work-precision: build reference-solvers ## Measure run time against error beside other solvers and rewrite docs/performance/work-precision.md (45 minutes)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benches/work_precision.py

@@ -6,14 +6,12 @@ Needs exudyn: ``pip install --group peers``. ``make validation-data`` runs it.
 import datetime
 import importlib.metadata
 import json
-import subprocess
-from pathlib import Path
 
 import numpy as np
 
 import ideal_drive_peer as scene
+from provenance import ROOT, git
 
-ROOT = Path(__file__).parents[1]
 STORED = ROOT / "docs" / "validation" / "exudyn.json"
 SPAN = 2e-3
 STEPS = (100, 300, 900)
@@ -24,15 +22,12 @@ def compared():
     reference, _, _ = scene.by_rustchain(1e-10, SPAN)
     errors = [float(np.max(np.abs(scene.by_exudyn(steps, SPAN)[0] - reference))) for steps in STEPS]
     moved = float(np.max(np.abs(reference - scene.link_places()[:, :2])))
-    commit = subprocess.run(
-        ["git", "rev-parse", "HEAD"], cwd=ROOT, check=True, capture_output=True, encoding="utf-8"
-    ).stdout.strip()
     return {
         "steps": STEPS,
         "errors": errors,
         "moved": moved,
         "exudyn": importlib.metadata.version("exudyn"),
-        "commit": commit,
+        "commit": git("rev-parse", "HEAD"),
         "date": datetime.datetime.now(datetime.timezone.utc).date().isoformat(),
     }
 

@@ -24,8 +24,8 @@ import numpy as np
 
 import rustchain as rc
 from least_times import MOST_RUNS, PARTS, Clock, EqualRuns, each_row, step, take_turns
-from practical import ROOT, put, table
-from work_precision.render import machine
+from practical import put, table
+from provenance import ROOT, provenance
 
 PAGE = ROOT / "docs" / "performance" / "features.md"
 NUMBERS = PAGE.with_suffix(".json")
@@ -399,6 +399,8 @@ def main() -> None:
     parser.add_argument("--test", action="store_true", help="one round of 1 ms, few cases")
     parser.add_argument("--write", action="store_true", help=f"write {PAGE.name}")
     options = parser.parse_args()
+    if options.write and options.test:
+        parser.error("--write needs all rounds: leave out --test")
     warnings.simplefilter("ignore")
     rounds, duration, case, axes = ROUNDS, DURATION, CASE, AXES
     lead = LEAD
@@ -409,7 +411,7 @@ def main() -> None:
     of_sweep = sweeps((rounds + 1) // 2, case, axes)
     all_features(1, 1e-3, 1e-3, most=2)  # loads the modules that files need
     found = {
-        "machine": machine(),
+        "machine": provenance(),
         "rounds": rounds,
         "duration": duration,
         "features": all_features(rounds, lead, duration, 2 if options.test else MOST_RUNS),

@@ -6,10 +6,11 @@
 mod common;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use common::drives::layouts::guided_shafts;
 use common::only_tried;
+use cpu_time::ProcessTime;
 use rustchain::drive::Drive;
 use rustchain::integrator::StepControl;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
@@ -54,7 +55,7 @@ fn main() {
     }
 }
 
-/// Seconds, steps and evaluations of a run over `span` \[s\] from a start at rest.
+/// Processor time \[s\], steps and evaluations of a run over `span` \[s\] from a start at rest.
 fn run(drive: &Drive, accuracy: f64, span: f64) -> (f64, u64, u64) {
     let laws = ForceLaws::default();
     let start = Equilibrium::find(drive, &laws).unwrap().start;
@@ -64,7 +65,7 @@ fn run(drive: &Drive, accuracy: f64, span: f64) -> (f64, u64, u64) {
         ..StepControl::default()
     };
     let mut simulation = Simulation::new(model, &start, control).unwrap();
-    let begin = Instant::now();
+    let begin = ProcessTime::now();
     simulation.advance(span, Duration::MAX).unwrap();
     let counts = simulation.statistics().counts;
     (

@@ -1,30 +1,21 @@
 """Drives with ideal hinges beside the same drives with clearance: time, steps and energy residual.
 
 ANSI 40, 17 and 25 teeth, 1500 rpm, 5 N m of load. One line for each length of the chain, method and
-kind of hinges; processor time of one run. ``--quick`` leaves out the long chains.
+kind of hinges; processor time of one run.
 """
 
-import math
-import sys
+import argparse
 import time
 
 import rustchain as rc
+from practical import drive
 
-SPEED = 1500.0 * 2.0 * math.pi / 60.0
-LOAD = -5.0
 REPORT_STEP = 1e-4
-
-
-def drive(links, hinges):
-    """Return the drive with `links` links."""
-    return rc.two_sprocket_drive(
-        chain="ANSI 40", teeth=(17, 25), links=links, speed=SPEED, torque=LOAD, hinges=hinges
-    )
 
 
 def row(links, hinges, method, duration):
     """Return counts and times of a run of `duration` [s] as a row of the table."""
-    simulation = rc.Simulation(drive(links, hinges), solver=rc.Solver(method=method))
+    simulation = rc.Simulation(drive(links=links, hinges=hinges)(), solver=rc.Solver(method))
     begin = time.process_time()
     result = simulation.run(duration, report_step=REPORT_STEP, progress=False)
     spent = time.process_time() - begin
@@ -39,13 +30,15 @@ def row(links, hinges, method, duration):
 
 def main():
     """Print the table."""
-    quick = "--quick" in sys.argv
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--test", action="store_true", help="leave out the long chains")
+    lengths = (60,) if parser.parse_args().test else (60, 150, 614)
     print(
         "| links | hinges | method | steps a second | rejected a step | evaluations a step "
         "| time a step [µs] | time a second [s] | residual over dissipated |"
     )
     print("|---|---|---|---|---|---|---|---|---|")
-    for links in (60,) if quick else (60, 150, 614):
+    for links in lengths:
         duration = 0.02 * 60 / links
         for hinges in ("clearance", "ideal"):
             for method in ("auto", "newton"):

@@ -10,8 +10,8 @@ elastic. Each error is the largest distance of a link's centre from where rustch
 accuracy of 1e-13 m.
 """
 
+import argparse
 import math
-import sys
 import time
 from functools import partial
 
@@ -206,7 +206,9 @@ def at_error(error, errors, times):
 
 def main():
     """Print the table, and how much faster rustchain is at the errors of exudyn."""
-    quick = "--quick" in sys.argv or "--test" in sys.argv
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--test", action="store_true", help="the first 1 ms, few steps")
+    quick = parser.parse_args().test
     span = 1e-3 if quick else SPAN
     repetitions = 1 if quick else 3
     reference, _, _ = by_rustchain(FINEST, span)

@@ -13,16 +13,15 @@ import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 import rustchain as rc
 from least_times import MOST_RUNS, Clock, EqualRuns, step, take_turns
+from provenance import ROOT, provenance
 
-ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "python"))
-from checks.andrews import andrews  # noqa: E402
+from checks.andrews import andrews
 
 PAGE = ROOT / "docs" / "performance" / "practical.md"
 NUMBERS = PAGE.with_suffix(".json")
@@ -45,11 +44,13 @@ def example(name: str) -> rc.Scene:
     return rc.load_scene(ROOT / "examples" / f"{name}.toml")
 
 
-def drive(law: rc.ForceLaw | None = None, **options: object) -> Callable[[], rc.Scene]:
-    """Return a maker of the drive of 17:25 teeth, 60 links of ANSI 40, 1500 rpm, 5 N m."""
+def drive(
+    law: rc.ForceLaw | None = None, links: int = 60, **options: object
+) -> Callable[[], rc.Scene]:
+    """Return a maker of the drive of 17:25 teeth, ANSI 40, 1500 rpm, 5 N m."""
     return lambda: rc.Scene(
         rc.two_sprocket_drive(
-            "ANSI 40", teeth=(17, 25), links=60, speed=rc.rpm(1500), torque=-5.0, **options
+            "ANSI 40", teeth=(17, 25), links=links, speed=rc.rpm(1500), torque=-5.0, **options
         ),
         **({} if law is None else {"force_law": law}),
     )
@@ -273,14 +274,16 @@ def put(page: str, name: str, lines: list[str]) -> str:
     return "\n".join([f"{before}{begin}", "", *lines, "", f"{end}{after}"])
 
 
-def with_table(page: str, rows: list[dict[str, object]]) -> str:
+def with_table(page: str, found: dict[str, object]) -> str:
     """Return the text of the page with the table of these numbers."""
+    rows = found["scenes"]
     differences = [row["difference"] for row in rows if not row["message"]]
     lines = [
         *table(COLUMNS, [cells_of(row) for row in rows]),
         "",
-        f"Two halves of the equal runs differ by {np.median(differences):.0%} in time (median of "
-        f"all lines; {max(differences):.0%} in one).",
+        f"Machine: {found['machine']}. Two halves of the equal runs differ by "
+        f"{np.median(differences):.0%} in time (median of all lines; {max(differences):.0%} in "
+        "one).",
         "",
         "Scenes with many rejected steps, or with more evaluations at the looser accuracy:",
         "",
@@ -289,10 +292,10 @@ def with_table(page: str, rows: list[dict[str, object]]) -> str:
     return put(page, "table", lines)
 
 
-def write(rows: list[dict[str, object]]) -> None:
+def write(found: dict[str, object]) -> None:
     """Write the numbers, and the table into its page."""
-    NUMBERS.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), rows), encoding="utf-8")
+    NUMBERS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    PAGE.write_text(with_table(PAGE.read_text(encoding="utf-8"), found), encoding="utf-8")
 
 
 def main() -> int:
@@ -305,13 +308,13 @@ def main() -> int:
     if options.write and (options.only or options.test):
         parser.error("--write needs all scenes in full: leave out --only and --test")
     if not any(options.only in case.name for case in scenes()):
-        names = ", ".join(case.name for case in scenes())
+        names = "; ".join(case.name for case in scenes())
         parser.error(f"--only {options.only!r}: no such scene; one of {names}")
     rows = all_scenes(options.only, options.test)
     print("\n".join(" | ".join(cells) for cells in (COLUMNS, *map(cells_of, rows))))
     print("\n".join(findings(rows)))
     if options.write:
-        write(rows)
+        write({"machine": provenance(), "scenes": rows})
     return int(any(row["message"] for row in rows))
 
 

@@ -7,7 +7,7 @@ mod common;
 
 use std::time::Duration;
 
-use common::drives;
+use common::{drives, only_tried};
 use cpu_time::ProcessTime;
 use rustchain::ForceLaws;
 use rustchain::drive::Drive;
@@ -23,7 +23,7 @@ const REPEATS: usize = 3;
 /// Runs from slightly different ramps, which chaos tells apart: counts are their means.
 const STARTS: u32 = 4;
 
-fn run(drive: &Drive, laws: &ForceLaws, corrector: Corrector) -> (Duration, Counts) {
+fn run(drive: &Drive, laws: &ForceLaws, corrector: Corrector, span: f64) -> (Duration, Counts) {
     let control = StepControl {
         corrector,
         ..StepControl::default()
@@ -31,7 +31,7 @@ fn run(drive: &Drive, laws: &ForceLaws, corrector: Corrector) -> (Duration, Coun
     let mut simulation = drives::simulation(drive, laws, control);
     // Of the processor: other programs have no part in it.
     let begin = ProcessTime::now();
-    drives::advance(&mut simulation, SPAN);
+    drives::advance(&mut simulation, span);
     (begin.elapsed(), simulation.statistics().counts)
 }
 
@@ -41,6 +41,7 @@ fn starts(
     laws: &ForceLaws,
     pretension: f64,
     corrector: Corrector,
+    span: f64,
 ) -> (Duration, Counts) {
     let (mut time, mut all) = (Duration::ZERO, Counts::default());
     for i in 0..STARTS {
@@ -52,7 +53,7 @@ fn starts(
             // Without a tensioner the loads differ instead.
             drive.gravity.y *= 1.0 + 1e-3 * f64::from(i);
         }
-        let (took, counts) = run(&drive, laws, corrector);
+        let (took, counts) = run(&drive, laws, corrector, span);
         time += took;
         all.steps += counts.steps;
         all.rejected += counts.rejected;
@@ -79,8 +80,11 @@ fn main() {
         ("bushings", drives::paper_drive()),
         ("rollers", drives::roller_drive()),
     ];
-    let quick = std::env::args().any(|argument| argument == "--test" || argument == "--quick");
-    let repeats = if quick { 1 } else { REPEATS };
+    let (span, repeats) = if only_tried() {
+        (1e-3, 1)
+    } else {
+        (SPAN, REPEATS)
+    };
     println!(
         "pretension, friction, corrector, chain, processor ms a simulated second, steps, rejected, evaluations, factorisations, us a step, \
          time over that of bushings"
@@ -100,7 +104,7 @@ fn main() {
             for ((_, drive), (least, counts)) in
                 drives.iter().zip(least.iter_mut().zip(&mut counts))
             {
-                let (time, found) = starts(drive, laws, pretension, corrector);
+                let (time, found) = starts(drive, laws, pretension, corrector, span);
                 *least = time.min(*least);
                 *counts = found;
             }
@@ -111,7 +115,7 @@ fn main() {
             println!(
                 "{pretension:5} N  {friction:4}  {:6}  {name:8}  {:7.0}  {:6}  {:6}  {:6}  {:6}  {:.2}  {:.2}",
                 corrector.name(),
-                1e3 * seconds / (SPAN * f64::from(STARTS)),
+                1e3 * seconds / (span * f64::from(STARTS)),
                 counts.steps / runs,
                 counts.rejected / runs,
                 counts.evaluations / runs,

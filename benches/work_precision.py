@@ -19,16 +19,15 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
 from least_times import take_turns
+from provenance import ROOT, provenance
 from work_precision import own, peers, render, scenes
 from work_precision.analysis import LOAD_LIMIT, disturbance, force_statistics
 from work_precision.peers import Start
 
-ROOT = Path(__file__).parent.parent
 RECORD = ROOT / "docs/performance/work-precision.json"
 ACCURACIES = [3e-9, 1e-9, 3e-10, 1e-10, 1e-11]
 # Of all three where runs are short: from what is too loose to what rounding leaves.
@@ -93,8 +92,8 @@ def loaded_path_plan():
 def energy_plan(pretension):
     """Few: each point is several runs. Under 100 N an explicit one takes seconds."""
     methods = {
-        "auto": [6e-9, 5e-10, *ACCURACIES, 1e-12],
-        "newton": [6e-9, 5e-10, *ACCURACIES, 1e-12],
+        "auto": [6e-9, *ACCURACIES[:2], 5e-10, *ACCURACIES[2:], 1e-12],
+        "newton": [6e-9, *ACCURACIES[:2], 5e-10, *ACCURACIES[2:], 1e-12],
         "pece": list(ACCURACIES),
         "pece, rtol": [1e-5, 1e-6],
     }
@@ -145,14 +144,14 @@ def short(plan):
 
 
 @functools.cache
-def twin(tried):
-    """Lines of the Rust twin."""
-    command = ["cargo", "bench", "--quiet", "--bench", "work_precision", "--"]
-    command.append("--test" if tried else "--json")
+def rust_lines(tried):
+    """Return the lines of benches/work_precision.rs."""
+    command = ["cargo", "bench", "--quiet", "--bench", "work_precision"]
+    command += ["--", "--test"] if tried else []
     print(" ".join(command), flush=True)
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if done.returncode:
-        sys.exit(f"error: the Rust twin failed:\n{done.stderr}")
+        sys.exit(f"error: cargo bench --bench work_precision failed:\n{done.stderr}")
     return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
 
 
@@ -191,10 +190,7 @@ def row_of(run):
 
 def last_run():
     """Return what was kept of the last full run."""
-    found = json.loads(RECORD.read_text())
-    if not isinstance(found["seconds"], dict):
-        sys.exit(f"error: {RECORD} is of an older form: run all scenes once, without --only")
-    return found
+    return json.loads(RECORD.read_text(encoding="utf-8"))
 
 
 class Record:
@@ -203,9 +199,9 @@ class Record:
     def __init__(self, tried, merged):
         self.tried = tried
         self.prepare = short if tried else (lambda plan: plan)
-        blank = {"references": {}, "load": {}, "seconds": {}, "lines": [], "twins": [], "long": []}
-        self.found = blank | (last_run() if merged else {})
-        self.found.setdefault("machines", {})
+        blank = {name: {} for name in ("references", "load", "seconds", "machines")}
+        blank |= {name: [] for name in ("lines", "rust", "long")}
+        self.found = last_run() if merged else blank
 
     def paths(self, scene, start, end):
         """Keep a scene judged by positions."""
@@ -222,9 +218,9 @@ class Record:
     def known(self, scene, problem, kind, end):
         """Keep a scene with a known answer."""
         error = scenes.planet_error if kind == "kepler" else (lambda run, _: run.error)
-        twins = [line for line in twin(self.tried) if line["kind"] == kind]
+        rust = [line for line in rust_lines(self.tried) if line["kind"] == kind]
         plan = self.prepare(Plan(known=dict(KNOWN), repeats=20, runs=0, other_runs=0))
-        self.put(scene, scenes.known_scene(scene, problem, end, error, plan, twins))
+        self.put(scene, scenes.known_scene(scene, problem, end, error, plan, rust))
 
     def put(self, scene, lines, reference=None):
         """Put a scene's lines in the place of those that it had."""
@@ -233,10 +229,10 @@ class Record:
         if reference is not None:
             self.found["references"][scene] = reference
 
-    def twins(self):
-        """Keep what the Rust twin says of instruction sets and of long chains."""
-        self.found["twins"] = [
-            line for line in twin(self.tried) if line["kind"] in ("instructions", "links")
+    def rust(self):
+        """Keep the times of instruction sets and of long chains."""
+        self.found["rust"] = [
+            line for line in rust_lines(self.tried) if line["kind"] in ("instructions", "links")
         ]
 
     def long(self):
@@ -268,7 +264,7 @@ class Record:
         seconds, own_seconds = time.perf_counter() - begin[0], time.process_time() - begin[1]
         self.found["load"][name] = [before, os.getloadavg()[0]]
         self.found["seconds"][name] = seconds
-        self.found["machines"][name] = render.machine()
+        self.found["machines"][name] = provenance()
         print(
             f"  {seconds:.0f} s, {own_seconds:.0f} s of them at work; "
             f"load {before:.1f} before, {os.getloadavg()[0]:.1f} after",
@@ -297,7 +293,7 @@ def all_scenes(record):
     bind = functools.partial
     loaded = {pretension: scenes.stored(pretension) for pretension in (25.0, 100.0)}
     return {
-        "twins": record.twins,
+        "rust": record.rust,
         "0 N, 5 ms": bind(record.paths, "0 N, 5 ms", Start(0.0), 5e-3),
         "0 N, 6 ms": bind(record.paths, "0 N, 6 ms", Start(0.0), 6e-3),
         "25 N, 20 ms": bind(record.paths, "25 N, 20 ms", loaded[25.0], 20e-3),
@@ -314,7 +310,7 @@ def all_scenes(record):
     }
 
 
-TRIED = ("twins", "0 N, 6 ms", "25 N, 20 ms", "pin, undamped", "0 N, 0.2 s", "long")
+TRIED = ("rust", "0 N, 6 ms", "25 N, 20 ms", "pin, undamped", "0 N, 0.2 s", "long")
 
 
 def main():
@@ -323,7 +319,9 @@ def main():
     parser.add_argument("--test", action="store_true", help="a few short scenes; write nothing")
     parser.add_argument("--redraw", action="store_true", help="write chart and pages again")
     parser.add_argument("--only", action="append", metavar="SCENE", help="one scene of the tables")
-    options = parser.parse_known_args()[0]
+    options = parser.parse_args()
+    if options.redraw and (options.only or options.test):
+        parser.error("--redraw runs nothing: leave out --only and --test")
     if options.redraw:
         write(last_run())
         return
@@ -333,7 +331,7 @@ def main():
     names = options.only or (TRIED if options.test else list(scene_of))
     for name in names:
         if name not in scene_of:
-            parser.error(f"--only {name!r}: no such scene; one of {', '.join(scene_of)}")
+            parser.error(f"--only {name!r}: no such scene; one of {'; '.join(scene_of)}")
     peers.load()
     scenes.check_right_hand_side()
     scenes.check_impact_memory()

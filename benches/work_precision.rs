@@ -1,6 +1,6 @@
 //! Run time against error in Rust alone: a planet, a bouncing pin, the published drive with each instruction set, long chains.
 //!
-//! With `--json` a line of JSON for each run, which `work_precision.py` reads.
+//! Prints a line of JSON for each run, which `work_precision.py` reads.
 
 #![allow(clippy::print_stdout)] // a benchmark's figures
 #![allow(clippy::unwrap_used)] // a benchmark whose drives cannot be built has nothing to say
@@ -138,7 +138,7 @@ fn kepler(tolerance: f64, corrector: Corrector) -> Known {
     )
 }
 
-/// One bounce; error in the speed of parting without damping, and in the place at the end.
+/// One bounce; error of the position at the end without damping, of the final speed with it.
 fn pin(tolerance: f64, lambda: f64, corrector: Corrector) -> Known {
     let mut pin = Pin::new(lambda);
     let mut adams = Adams::new(2, smooth_control(tolerance, corrector));

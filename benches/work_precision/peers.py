@@ -91,7 +91,10 @@ def _pointer(array):
 
 
 def _library():
-    library = c.CDLL(str(HERE / "target/release/libcompiled_rhs.so"))
+    path = HERE / "target/release/libcompiled_rhs.so"
+    if not path.exists():
+        raise SystemExit(f"error: {path} is missing; `make reference-solvers` builds it")
+    library = c.CDLL(str(path))
     library.drive_system.restype = c.c_void_p
     library.drive_system.argtypes = [c.c_double] * 3 + [_POINTER] * 2 + [c.c_size_t, c.c_bool]
     library.kepler_system.restype = c.c_void_p
@@ -112,7 +115,6 @@ def _library():
         c.c_int32,
         c.c_double,
         c.c_double,
-        c.c_uint64,
         c.c_double,
         c.POINTER(_Tableau),
         c.c_char_p,
@@ -126,10 +128,15 @@ def _library():
 
 def _cvode_library():
     """Path of the CVODE that scikit-sundae brings along."""
-    files = importlib.metadata.files("scikit-sundae") or []
+    try:
+        files = importlib.metadata.files("scikit-sundae") or []
+    except importlib.metadata.PackageNotFoundError:
+        raise SystemExit(
+            "error: scikit-sundae is missing; `make reference-solvers` installs it"
+        ) from None
     found = [file for file in files if "libsundials_cvode" in file.name]
     if not found:
-        raise SystemExit("error: scikit-sundae brings no libsundials_cvode; use its wheel")
+        raise SystemExit("error: scikit-sundae has no libsundials_cvode; install its wheel")
     return str(found[0].locate()).encode()
 
 
@@ -213,7 +220,6 @@ def compiled(problem, method, tolerance, end, wall=1e9, metered=False):
             number,
             tolerance,
             end,
-            2**62,
             wall,
             tableau,
             CVODE,

@@ -277,18 +277,18 @@ def energy_scene(scene, start, end, plan):
     return [line_of(scene, point, end, dissipated) for point in points], [dissipated, scatter]
 
 
-def known_scene(scene, problem, end, error_of, plan, twins):
-    """Error against a known solution; `twins` are this project's runs, made in Rust."""
+def known_scene(scene, problem, end, error_of, plan, rust):
+    """Error against a known solution; `rust` has this project's runs."""
     print(scene)
     lines = [
         say(
             Line(
-                scene, OWN[twin["method"]], twin["tolerance"], min(twin["walls"]), twin["steps"],
-                twin["evaluations"], 0, 0, twin["error"], np.nan, len(twin["walls"]), "",
-                twin["walls"],
+                scene, OWN[line["method"]], line["tolerance"], min(line["walls"]), line["steps"],
+                line["evaluations"], 0, 0, line["error"], np.nan, len(line["walls"]), "",
+                line["walls"],
             )
         )
-        for twin in twins
+        for line in rust
     ]  # fmt: skip
     errors = {}
 

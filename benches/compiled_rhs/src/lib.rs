@@ -90,7 +90,6 @@ impl Outcome {
 struct Budget {
     begin: ThreadTime,
     wall: Duration,
-    evaluations: u64,
     /// Processor time but for the search for onsets, at the ends of parts of so many steps \[s\].
     marks: RefCell<Vec<f64>>,
 }
@@ -104,11 +103,9 @@ impl Budget {
             let elapsed = self.begin.elapsed();
             let charged = elapsed.as_secs_f64() - outcome.uncharged;
             self.marks.borrow_mut().push(charged);
-            if elapsed > self.wall {
-                return true;
-            }
+            return elapsed > self.wall;
         }
-        outcome.evaluations > self.evaluations
+        false
     }
 }
 
@@ -354,7 +351,6 @@ pub unsafe extern "C" fn integrate(
     method: i32,
     tolerance: f64,
     end: f64,
-    evaluations: u64,
     wall: f64,
     tableau: *const CTableau,
     library: *const c_char,
@@ -376,7 +372,6 @@ pub unsafe extern "C" fn integrate(
     let budget = Budget {
         begin: ThreadTime::now(),
         wall: Duration::from_secs_f64(wall),
-        evaluations,
         marks: RefCell::default(),
     };
     let done = match method {

@@ -5,6 +5,7 @@ import pytest
 
 import exudyn_mechanisms
 import ideal_drive_peer as scene
+import mechanism_peers
 import rustchain as rc
 
 SPAN = 2e-3
@@ -53,6 +54,17 @@ def test_exudyn_comes_to_the_same_answer_as_its_steps_grow_smaller():
     assert errors[1] < errors[0] / 4
     assert errors[2] < errors[1] / 4
     assert errors[2] < 1e-4 * moved
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_falling_chain_of_benches_mechanism_peers_is_the_same_in_both_codes():
+    pytest.importorskip("exudyn")
+    reference, _, _ = mechanism_peers.by_rustchain(3, 1e-10)
+    errors = [
+        np.max(np.abs(mechanism_peers.by_exudyn(3, steps)[0] - reference)) for steps in (100, 300)
+    ]
+    assert errors[1] < errors[0] / 4
+    assert errors[1] < 1e-3 * mechanism_peers.LENGTH
 
 
 # Of 100 that `tests/stress/exudyn_mechanisms.py` compares: trees, closed loops, drivers, gears, and

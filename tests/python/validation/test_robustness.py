@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+import robustness
 import rustchain as rc
-
-PATH = Path(__file__).parents[3] / "benches" / "robustness.py"
-_SPEC = importlib.util.spec_from_file_location("robustness", PATH)
-robustness = importlib.util.module_from_spec(_SPEC)
-sys.modules["robustness"] = robustness  # where its dataclasses look themselves up
-_SPEC.loader.exec_module(robustness)
 
 DURATION = 0.02
 SCENES = robustness.scenes(DURATION)

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from least_times import least_of
 from work_precision import render
 from work_precision.analysis import (
     LOAD_LIMIT,
@@ -75,16 +74,7 @@ def test_a_busy_machine_and_halves_that_differ_are_told():
     assert disturbance([1.0], [np.nan]) == ""  # a point without equal runs
 
 
-def test_a_part_counts_with_its_least_time_of_all_runs():
-    quiet = np.array([1.0, 2.0, 3.0])
-    runs = [quiet + busy for busy in ([0.0, 1.0, 0.0], [1.0, 0.0, 0.3], [0.5, 0.5, 0.0])]
-    least = least_of(runs)
-    assert least.seconds == 6.0
-    # The first and third run leave 0.5 in the second part, the second alone 1.3.
-    assert least.difference == pytest.approx(abs(6.5 - 7.3) / 6.0)
-
-
-def test_the_record_is_of_a_quiet_machine():
+def test_the_record_is_of_one_revision_on_a_quiet_machine():
     differences = [line["difference"] for line in RECORD["lines"]]
     assert np.isfinite(differences).any()
     assert disturbance(np.ravel(list(RECORD["load"].values())), differences) == ""
@@ -95,6 +85,32 @@ def test_the_pages_are_what_the_record_makes_of_them():
     for page, text in render.pages(RECORD, DOCS).items():
         assert page.read_text(encoding="utf-8") == text
     assert RECORD["verdicts"] == render.verdicts(RECORD)
+
+
+def test_the_performance_page_has_the_times_of_the_record():
+    page = (DOCS / "performance" / "index.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+ N) \| (.*) \| (.*) \| (.*) \| (.*) \|$", page, re.MULTILINE)
+    assert len(rows) == 3
+    for pretension, *cells in rows:
+        lines = [line for line in RECORD["lines"] if line["scene"] == f"{pretension}, 0.2 s"]
+        chosen = [
+            next(x for x in lines if (x["method"], x["tolerance"]) == wanted)
+            for wanted in (
+                ("rustchain auto", 1e-10),
+                ("rustchain auto", 1e-9),
+                ("rustchain PECE, rtol", 1e-5),
+            )
+        ]
+        cvode = [x for x in lines if x["method"].startswith("CVODE") and x["residual"] < 1e-2]
+        chosen.append(min(cvode, key=lambda x: x["wall"]))
+        for cell, line in zip(cells, chosen, strict=True):
+            wall, *steps, residual = cell.split(", ")
+            assert float(wall) == pytest.approx(line["wall"], rel=0.03)
+            assert float(residual) == pytest.approx(line["residual"], rel=0.1)
+            for count in steps:
+                number, unit = count.split()
+                found = float(number) * {"thousand": 1e3, "million": 1e6}[unit]
+                assert found == pytest.approx(line["steps"] / 0.2, rel=0.05)
 
 
 def test_the_page_opens_with_a_table_of_few_lines_whose_ratios_are_those_of_its_times():

@@ -1,0 +1,82 @@
+"""Options of the benchmark scripts: a wrong one ends with its name, before anything runs."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+import numpy_reference
+import rustchain as rc
+from provenance import ROOT, provenance
+
+SCRIPTS = (
+    "features",
+    "ideal_drive",
+    "ideal_drive_peer",
+    "lanes_of_drives",
+    "mechanism_peers",
+    "numpy_reference",
+    "practical",
+    "robustness",
+    "work_precision",
+)
+
+
+def call(script, *options):
+    """Return the exit status of a script and the last line that it prints."""
+    done = subprocess.run(
+        [sys.executable, "-P", ROOT / "benches" / f"{script}.py", *options],
+        capture_output=True,
+        encoding="utf-8",
+        check=False,
+        timeout=60.0,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "100"},
+    )
+    return done.returncode, done.stderr.strip().splitlines()[-1]
+
+
+@pytest.mark.parametrize("script", SCRIPTS)
+def test_an_option_that_does_not_exist_ends_the_script(script):
+    status, message = call(script, "--tset")
+    assert status == 2
+    assert message == f"{script}.py: error: unrecognized arguments: --tset"
+
+
+@pytest.mark.parametrize("script", ["features", "practical", "robustness"])
+def test_short_runs_are_not_written_into_the_page(script):
+    status, message = call(script, "--write", "--test")
+    assert status == 2
+    assert "error: --write needs all" in message
+
+
+@pytest.mark.parametrize("script", ["practical", "robustness", "work_precision"])
+def test_a_scene_that_does_not_exist_ends_the_script(script):
+    status, message = call(script, "--only", "no such")
+    assert status == 2
+    assert "error: --only 'no such': no such scene; one of " in message
+
+
+def test_robustness_is_written_with_the_default_solver_only():
+    status, message = call("robustness", "--write", "--accuracy", "1e-9")
+    assert status == 2
+    assert "needs the default solver" in message
+    status, message = call("robustness", "--accuracy", "-1")
+    assert status == 2
+    assert "Solver.accuracy" in message
+
+
+def test_nothing_runs_where_pages_are_drawn_again():
+    status, message = call("work_precision", "--redraw", "--only", "long")
+    assert status == 2
+    assert "--redraw runs nothing" in message
+
+
+def test_a_measurement_has_its_machine_and_revision():
+    assert f"instructions {rc.instruction_set()}, revision " in provenance()
+
+
+def test_the_time_of_an_evaluation_is_that_of_a_whole_run():
+    """It was the least of forty estimates from a few timed steps, which scatter by ten."""
+    times = [numpy_reference.package_time(rc.paper_drive()) for _ in range(3)]
+    assert max(times) < 3.0 * min(times)
