@@ -194,7 +194,7 @@ def last_run():
 
 
 class Record:
-    """Results of the runs, stored after every scene."""
+    """Results of the runs so far."""
 
     def __init__(self, tried, merged):
         self.tried = tried
