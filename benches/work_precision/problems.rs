@@ -69,8 +69,6 @@ pub(crate) struct Pin {
     /// K depth^2.5/(m speed²) \[-\]: 5/4, whatever the pin.
     stiffness: f64,
     onset_speed: Option<f64>,
-    /// Speed of parting, once it is known.
-    parting_speed: Option<f64>,
     /// Newton's matrix.
     matrix: f64,
 }
@@ -92,24 +90,21 @@ impl Pin {
             lambda,
             stiffness: law.force(depth) * depth / (mass * speed * speed),
             onset_speed: None,
-            parting_speed: None,
             matrix: 1.0,
         }
     }
 
-    /// Error at the end: of the place without damping, of the speed of parting with it.
+    /// Error at the end: of the position without damping, of the speed with it.
     pub(crate) fn error(&self, y: &[f64]) -> f64 {
         if self.lambda == 0.0 {
             let flight = Self::END + Self::START[0] - Self::DURATION;
             (y[0] + flight).abs()
         } else {
-            let expected = rustchain::force_law::effective_restitution(self.lambda);
-            self.parting_speed
-                .map_or(f64::INFINITY, |speed| (speed - expected).abs())
+            (y[1] + rustchain::force_law::effective_restitution(self.lambda)).abs()
         }
     }
 
-    /// Looks for onset and parting in a step; true when one was found.
+    /// Looks for onset and end of the contact in a step; true when one was found.
     pub(crate) fn watch(
         &mut self,
         start: f64,
@@ -117,27 +112,20 @@ impl Pin {
         depth: f64,
         at: impl Fn(f64) -> [f64; 2],
     ) -> bool {
-        let crossing = |sign: f64| {
-            let path = |t: f64| {
-                let [depth, rate] = at(t);
-                Contact {
-                    normal: Vec2::zeros(),
-                    penetration: sign * depth,
-                    penetration_rate: sign * rate,
-                }
-            };
-            onset_in_step(path, start, end).1
+        let touching = depth > 0.0;
+        if touching == self.onset_speed.is_some() {
+            return false;
+        }
+        let path = |t: f64| {
+            let [penetration, penetration_rate] = at(t);
+            Contact {
+                normal: Vec2::zeros(),
+                penetration,
+                penetration_rate,
+            }
         };
-        if depth > 0.0 && self.onset_speed.is_none() {
-            self.onset_speed = Some(crossing(1.0));
-            return true;
-        }
-        if depth <= 0.0 && self.onset_speed.is_some() {
-            self.onset_speed = None;
-            self.parting_speed = Some(crossing(-1.0));
-            return true;
-        }
-        false
+        self.onset_speed = touching.then(|| onset_in_step(path, start, end).1);
+        true
     }
 }
 

@@ -95,9 +95,10 @@ pub(crate) fn embedded(
     let mut outcome = Outcome::default();
     let mut k: Vec<Vec<f64>> = vec![vec![0.0; n]; stages + 1];
     let (mut stage, mut before, mut new) = (vec![0.0; n], y.to_vec(), vec![0.0; n]);
-    let (mut t, mut h, mut rejected) = (0.0, (1e-7_f64).min(end), false);
+    let (mut t, mut rejected) = (0.0, false);
     system.derivative(t, y, &mut k[0]);
-    outcome.evaluations = 1;
+    let mut h = first_step(system, y, &mut k, &mut stage, &inverse, tableau.order).min(end);
+    outcome.evaluations = 2;
     while t < end {
         if budget.spent(&outcome) {
             return outcome.unfinished(t);
@@ -162,6 +163,29 @@ pub(crate) fn embedded(
         rejected = false;
     }
     outcome.finished(end)
+}
+
+/// First step of Hairer and Wanner's codes (HINIT), from the slope k\[0\] and that after a trial step, which is left in k\[1\].
+fn first_step(
+    system: &mut dyn Evolving,
+    y: &[f64],
+    k: &mut [Vec<f64>],
+    stage: &mut [f64],
+    inverse: &[f64],
+    order: f64,
+) -> f64 {
+    let norm = |value: &dyn Fn(usize) -> f64| {
+        let squares = (inverse.iter().enumerate()).map(|(i, w)| (w * value(i)).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let slope = norm(&|i| k[0][i]);
+    let trial = 0.01 * norm(&|i| y[i]) / slope;
+    combine(stage, y, trial, &[1.0], k);
+    system.derivative(trial, stage, &mut k[1]);
+    let bend = norm(&|i| k[1][i] - k[0][i]) / trial;
+    (0.01 / slope.max(bend))
+        .powf(1.0 / order)
+        .min(100.0 * trial)
 }
 
 /// y + h Σ weight k
