@@ -28,7 +28,7 @@ const LINKS_PER_BATCH: usize = 40_000;
 /// Steps that a batch walks.
 const STEPS: usize = 20;
 
-/// Knows how many bytes are in use.
+/// Counts the bytes in use.
 struct Weighing;
 
 static IN_USE: AtomicUsize = AtomicUsize::new(0);

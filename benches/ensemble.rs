@@ -8,7 +8,7 @@ use std::num::NonZero;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use common::{drives, print_counts};
+use common::{drives, only_tried, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rustchain::integrator::StepControl;
 use rustchain::run::ensemble::{Case, Ensemble};
@@ -81,7 +81,7 @@ fn totals(statistics: &[Statistics]) -> String {
 /// How much faster two threads are than one, as words: the least times, taken by turns.
 fn ratio() -> String {
     let mut least = [Duration::MAX; 2];
-    for _ in 0..REPETITIONS {
+    for _ in 0..if only_tried() { 1 } else { REPETITIONS } {
         for (threads, least) in (1..).zip(&mut least) {
             let ready = prepare(threads);
             let begin = Instant::now();

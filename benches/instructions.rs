@@ -2,7 +2,7 @@
 //! costs nothing, to the instruction.
 //!
 //! Every count is the difference of two runs of this program under callgrind, with and without the calls, over their number.
-//! Without valgrind there is nothing to count. Valgrind knows no AVX-512: the counts are those of AVX2.
+//! Without valgrind there is nothing to count. Valgrind has no AVX-512: the counts are those of AVX2.
 
 #![allow(clippy::unwrap_used)] // a benchmark whose scenes cannot be built has nothing to say
 #![allow(clippy::print_stdout)] // its figures

@@ -20,7 +20,7 @@ ROW = 2.5e-7  # resolution of the ends of steps [s]
 EVALUATION, MATRIX = (0.402 + 0.254) / 1.58, 0.6 / 1.58
 
 SETS = {
-    "equal but for 4 % of speed": [(25.0, 12.5 + 0.07 * k) for k in range(8)],
+    "25 N, 12.5 to 13.0 rad/s": [(25.0, 12.5 + 0.07 * k) for k in range(8)],
     "25 to 100 N, 12.6 rad/s": [(n, 12.6) for n in np.linspace(25.0, 100.0, 8)],
     "25 N, 5 to 25 rad/s": [(25.0, speed) for speed in np.linspace(5.0, 25.0, 8)],
     "0 N, 5 to 25 rad/s": [(0.0, speed) for speed in np.linspace(5.0, 25.0, 8)],

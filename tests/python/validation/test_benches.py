@@ -9,6 +9,7 @@ import pytest
 import numpy_reference
 import rustchain as rc
 from provenance import ROOT, provenance
+from work_precision import peers
 
 SCRIPTS = (
     "features",
@@ -70,6 +71,12 @@ def test_nothing_runs_where_pages_are_drawn_again():
     status, message = call("work_precision", "--redraw", "--only", "long")
     assert status == 2
     assert "--redraw runs nothing" in message
+
+
+def test_other_solvers_that_are_missing_are_named_with_the_remedy(monkeypatch, tmp_path):
+    monkeypatch.setattr(peers, "HERE", tmp_path)
+    with pytest.raises(SystemExit, match="libcompiled_rhs.so is missing; `make reference-solvers`"):
+        peers.load()
 
 
 def test_a_measurement_has_its_machine_and_revision():

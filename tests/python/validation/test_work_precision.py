@@ -91,6 +91,9 @@ def test_the_performance_page_has_the_times_of_the_record():
     page = (DOCS / "performance" / "index.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (\d+ N) \| (.*) \| (.*) \| (.*) \| (.*) \|$", page, re.MULTILINE)
     assert len(rows) == 3
+    processor, _, instructions, _ = RECORD["machines"]["long"].split(", ")
+    assert {"instructions avx512": "AVX-512", "instructions avx2": "AVX2"}[instructions] in page
+    assert f"one core of an {processor} server" in page
     for pretension, *cells in rows:
         lines = [line for line in RECORD["lines"] if line["scene"] == f"{pretension}, 0.2 s"]
         chosen = [
