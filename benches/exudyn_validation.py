@@ -3,6 +3,7 @@
 Needs exudyn: ``pip install --group peers``. ``make validation-data`` runs it.
 """
 
+import argparse
 import datetime
 import importlib.metadata
 import json
@@ -33,4 +34,5 @@ def compared():
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     STORED.write_text(json.dumps(compared(), indent=1) + "\n", encoding="utf-8")

@@ -24,7 +24,7 @@ import numpy as np
 
 import rustchain as rc
 from least_times import MOST_RUNS, PARTS, Clock, EqualRuns, each_row, step, take_turns
-from practical import put, table
+from pages import put, table
 from provenance import ROOT, provenance
 
 PAGE = ROOT / "docs" / "performance" / "features.md"

@@ -18,6 +18,7 @@ import numpy as np
 
 import rustchain as rc
 from least_times import MOST_RUNS, Clock, EqualRuns, step, take_turns
+from pages import put, table
 from provenance import ROOT, provenance
 
 sys.path.insert(0, str(ROOT / "tests" / "python"))
@@ -258,20 +259,6 @@ def findings(rows: list[dict[str, object]]) -> list[str]:
             ratio = counts[loose] / counts[tight]
             found.append(f"- {name}: {ratio:.2f} times the evaluations at {loose:g} m")
     return found
-
-
-def table(columns: tuple[str, ...], rows: list[tuple[str, ...]]) -> list[str]:
-    """Return the lines of a table."""
-    head, *rest = ["| " + " | ".join(row) + " |" for row in (columns, *rows)]
-    return [head, "|" + "---|" * len(columns), *rest]
-
-
-def put(page: str, name: str, lines: list[str]) -> str:
-    """Return the text of a page with these lines between the marks of this name."""
-    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
-    before, _, rest = page.partition(begin)
-    _, _, after = rest.partition(end)
-    return "\n".join([f"{before}{begin}", "", *lines, "", f"{end}{after}"])
 
 
 def with_table(page: str, found: dict[str, object]) -> str:

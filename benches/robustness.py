@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import rustchain as rc
-from practical import put, table
+from pages import put, table
 from provenance import ROOT, provenance
 
 PAGE = ROOT / "docs" / "performance" / "robustness.md"

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 import rustchain as rc
+from pages import put, table
 
 from .analysis import order_of_convergence, ratios_of_rounds, spread, time_at_error
 
@@ -110,8 +109,7 @@ def summary(record):
     """Return the table of few lines, and how the machine was."""
     titles = ["scene", "error", "rustchain", "time", "best other solver", "time", "ratio"]
     titles += ["median (range)"]
-    rows = ["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|"]
-    shares = []
+    rows, shares = [], []
     for scene, wanted in SUMMARY:
         times = times_at(record, scene, wanted)
         own, others = reaching(times, ours=True), reaching(times, ours=False)
@@ -131,7 +129,7 @@ def summary(record):
                 if not method.startswith("rustchain")
             )
             cells += [f"none; least error {least:.0e}", "", "does not reach it", ""]
-        rows.append("| " + " | ".join(cells) + " |")
+        rows.append(cells)
     said = [f"Machine: {machines(record)}{_load(record)}."]
     if np.isfinite(shares).all():
         said.append(
@@ -140,7 +138,7 @@ def summary(record):
         )
     share = spread([line["difference"] for line in record["lines"]])
     said.append(f"Two halves of equal runs differ by {share:.1%} in time (median of all points).")
-    return "\n".join([*rows, "", *said])
+    return [*table(titles, rows), "", *said]
 
 
 def _called(scene):
@@ -335,7 +333,7 @@ def pages(record, docs):
     blocks = {
         "work-precision.md": {"summary": summary(record), "long": _long_table(record)},
         "work-precision-tables.md": {
-            "verdicts": "\n".join(f"- {line}" for line in verdicts(record)),
+            "verdicts": [f"- {line}" for line in verdicts(record)],
             "tables": _tables(record),
         },
     }
@@ -343,11 +341,8 @@ def pages(record, docs):
     for name, of_page in blocks.items():
         page = docs / "performance" / name
         text = page.read_text(encoding="utf-8")
-        for mark, block in of_page.items():
-            marked = re.compile(rf"(<!-- {mark} -->\n).*?(<!-- end of {mark} -->)", re.DOTALL)
-            if not marked.search(text):
-                raise SystemExit(f"error: {page} has no marks for {mark}")
-            text = marked.sub(lambda m, block=block: f"{m[1]}\n{block}\n\n{m[2]}", text)
+        for mark, lines in of_page.items():
+            text = put(text, mark, lines)
         made[page] = text
     return made
 
@@ -361,28 +356,33 @@ def write(record, docs):
 
 
 def _tables(record):
-    """One table a scene."""
-    blocks = []
+    """Return the lines of a table a scene."""
+    made = []
     for scene in dict.fromkeys(line["scene"] for line in record["lines"]):
         unit = "time of a run, ms" if is_known(scene) else "s/s"
         note = _reference(record["references"].get(scene))
-        rows = [
-            f"| method | tolerance | {unit} | steps | evaluations | Jacobians | onsets | error "
-            "| residual | runs | |",
-            "|---|---|---|---|---|---|---|---|---|---|---|",
-        ]
+        columns = ["method", "tolerance", unit, "steps", "evaluations", "Jacobians", "onsets"]
+        columns += ["error", "residual", "runs", ""]
+        rows = []
         for line in record["lines"]:
             if line["scene"] != scene:
                 continue
             wall = line["wall"] * (1e3 if unit.endswith("ms") else 1.0)
+            counts = (line[name] for name in ("steps", "evaluations", "jacobians", "onsets"))
             rows.append(
-                f"| {line['method']} | {line['tolerance']:.1e} | {wall:.3g} | {line['steps']:.0f} "
-                f"| {line['evaluations']:.0f} | {line['jacobians']:.0f} | {line['onsets']:.0f} "
-                f"| {_number(line['position_error'])} | {_number(line['residual'])} "
-                f"| {line['runs']} | {line['note']} |"
+                [
+                    line["method"],
+                    f"{line['tolerance']:.1e}",
+                    f"{wall:.3g}",
+                    *(f"{count:.0f}" for count in counts),
+                    _number(line["position_error"]),
+                    _number(line["residual"]),
+                    f"{line['runs']}",
+                    line["note"],
+                ]
             )
-        blocks.append(f"### {scene}{note}\n\n" + "\n".join(rows))
-    return "\n\n".join(blocks)
+        made += ["", f"### {scene}{note}", "", *table(columns, rows)]
+    return made[1:]
 
 
 def _reference(found):
@@ -408,19 +408,22 @@ def _number(value):
 def _long_table(record):
     """Long runs: energy and statistics."""
     if not record["long"]:
-        return ""
+        return []
     names = list(record["long"][0]["forces"])
     rows = [
-        "| pretension | method | tolerance | s/s | steps | residual | " + " | ".join(names) + " |",
-        "|---" * (6 + len(names)) + "|",
+        [
+            f"{row['pretension']:.0f} N",
+            row["method"],
+            f"{row['tolerance']:.0e}",
+            f"{row['wall']:.3g}",
+            f"{row['steps']:.0f}",
+            f"{row['residual']:.1e}",
+            *(f"{mean:.3g} ± {half:.1g}" for mean, half in row["forces"].values()),
+        ]
+        for row in record["long"]
     ]
-    for row in record["long"]:
-        forces = " | ".join(f"{m:.3g} ± {half:.1g}" for m, half in row["forces"].values())
-        rows.append(
-            f"| {row['pretension']:.0f} N | {row['method']} | {row['tolerance']:.0e} "
-            f"| {row['wall']:.3g} | {row['steps']:.0f} | {row['residual']:.1e} | {forces} |"
-        )
-    return "\n".join(rows)
+    first = ("pretension", "method", "tolerance", "s/s", "steps", "residual")
+    return table([*first, *names], rows)
 
 
 def draw(record, path):

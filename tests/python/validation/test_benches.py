@@ -7,11 +7,13 @@ import sys
 import pytest
 
 import numpy_reference
+import pages
 import rustchain as rc
 from provenance import ROOT, provenance
 from work_precision import peers
 
 SCRIPTS = (
+    "exudyn_validation",
     "features",
     "ideal_drive",
     "ideal_drive_peer",
@@ -75,8 +77,15 @@ def test_nothing_runs_where_pages_are_drawn_again():
 
 def test_other_solvers_that_are_missing_are_named_with_the_remedy(monkeypatch, tmp_path):
     monkeypatch.setattr(peers, "HERE", tmp_path)
-    with pytest.raises(SystemExit, match="libcompiled_rhs.so is missing; `make reference-solvers`"):
+    with pytest.raises(SystemExit, match="is missing; `make reference-solvers`"):
         peers.load()
+
+
+def test_a_page_without_marks_is_refused():
+    page = "# Page\n\n<!-- table -->\n\nold\n\n<!-- end of table -->\n"
+    assert pages.put(page, "table", ["new"]) == page.replace("old", "new")
+    with pytest.raises(SystemExit, match="no marks <!-- sweep --> and"):
+        pages.put(page, "sweep", ["new"])
 
 
 def test_a_measurement_has_its_machine_and_revision():
