@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import check_finite, rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import counted
@@ -57,13 +57,7 @@ def spectrum(
         msg = f"name = {shown(name)}: has no rows over time; take a recorded array"
         raise InvalidInput(msg)
     values = recorded.to_numpy()[rows]
-    if not np.isfinite(values).all():
-        msg = (
-            f"name = {shown(name)}: has values that are no finite numbers, of contacts that "
-            "are not "
-            "even near; take a force"
-        )
-        raise InvalidInput(msg)
+    check_finite(f"name = {shown(name)}", values)
     frequency, density = welch(result.time[rows], np.moveaxis(values, 0, -1), segment)
     unit = str(recorded.attrs["units"])
     others = [dim for dim in recorded.dims if dim != "time"]

@@ -9,7 +9,7 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.analysis.circuit import Belt, Circuit
 from rustchain.analysis.spectrum import welch
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import check_finite, rows_between
 from rustchain.arguments import count_within, shown
 from rustchain.errors import InvalidInput
 from rustchain.typing import Array, Count, Number, Numbers, Time
@@ -154,7 +154,9 @@ def strand_spectrum(
     modes = count_within("strand_spectrum.modes", modes, 1, result.drive.hinge_count)
     motion = strand_motion(result, strand, stations=stations, start=start, end=end)
     time = motion["time"].to_numpy()
-    frequency, density = welch(time, motion.to_numpy().T, segment)
+    values = motion.to_numpy().T
+    check_finite("strand_spectrum: positions", values)
+    frequency, density = welch(time, values, segment)
     rows = rows_between(result, start, end)
     name = str(motion.attrs["strand"])
     tension = float(result.strand(name).tension[rows].mean())

@@ -8,7 +8,12 @@ import numpy as np
 
 from rustchain.analysis.jumps import check_seated
 from rustchain.analysis.loads import checked_sprocket
-from rustchain.analysis.window import difference_or_zero, mean_over_time, rows_between
+from rustchain.analysis.window import (
+    check_finite,
+    difference_or_zero,
+    mean_over_time,
+    rows_between,
+)
 from rustchain.errors import InvalidInput
 from rustchain.names import counted
 from rustchain.typing import Array, Count, Time
@@ -191,6 +196,8 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     """
     from rustchain.extras import interpolate, signal
 
+    for name, given in (("angle", angle), ("values", values)):
+        check_finite(f"spectrum of orders: {name}", given)
     turned = angle * np.sign(angle[-1])
     path = np.abs(np.diff(angle)).sum()
     if turned[-1] < 0.5 * path:

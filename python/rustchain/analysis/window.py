@@ -58,6 +58,17 @@ def mean_over_time(time: Array, values: Array) -> Array:
     return mean
 
 
+def check_finite(where: str, values: Array) -> None:
+    """Refuse NaN and infinities, which have no spectrum."""
+    wrong = values[~np.isfinite(values)]
+    if wrong.size:
+        msg = (
+            f"{where}: {wrong.size} of {values.size} values are no finite numbers, such as "
+            f"{wrong[0]:g}; take rows without them, and of contacts a force"
+        )
+        raise InvalidInput(msg)
+
+
 def difference_or_zero(difference: Array, *operands: Array) -> Array:
     """Return a difference over time, or zeros where all of it is within the operands' rounding."""
     size = sum(float(np.abs(each).max(initial=0.0)) for each in operands)

@@ -167,6 +167,16 @@ def test_eight_rows_of_a_turning_shaft_are_enough_for_orders():
         order_spectrum(np.zeros(8), angle)
 
 
+@pytest.mark.parametrize("place", [0, 1])
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_orders_of_values_that_are_no_numbers_are_refused(place, wrong):
+    given = [np.linspace(0.0, 9.0, 50), np.ones(50)]
+    given[place][7] = wrong
+    expected = f"{('angle', 'values')[place]}: 1 of 50 values are no finite numbers, such as"
+    with pytest.raises(rc.InvalidInput, match=f"{expected} {wrong}; take rows without them"):
+        order_spectrum(*given)
+
+
 def test_a_shaft_that_ends_at_its_first_angle_has_no_orders():
     angle = np.sin(np.linspace(0.0, math.pi, 9))
     angle[-1] = 0.0

@@ -440,6 +440,14 @@ def test_spectra_of_parts_are_drawn(run):
         run.spectrum("tooth_penetration")
 
 
+def test_the_spectrum_of_a_strand_whose_places_are_no_numbers_is_refused(run):
+    positions = run.array("positions").copy()
+    positions[3:] = np.nan
+    broken = replace(run, arrays={**run.arrays, "positions": positions})
+    with pytest.raises(rc.InvalidInput, match=r"positions: \d+ of \d+ values are no finite"):
+        broken.strand_spectrum("upper")
+
+
 @pytest.mark.parametrize("hinges", ["clearance", "ideal"])
 @pytest.mark.parametrize("duration", [1e-3, 6e-3])
 def test_runs_before_and_after_the_first_contact_have_all_outputs(hinges, duration):
