@@ -172,7 +172,7 @@ class Store:
             data = outcome.value.to_xarray()
         else:
             arrays = numbers_of(outcome.value, ())
-            data = xr.Dataset({quote(n, _SAFE): _variable(n, a) for n, a in arrays.items()})
+            data = xr.Dataset({_quoted(n): _variable(n, a) for n, a in arrays.items()})
         netcdf.write(data.assign_attrs(case=json.dumps(about)), path)
 
 
@@ -193,7 +193,8 @@ def load_sweep(store: FilePath) -> SweepResult:
     measure, results are read when they are accessed. An argument of the run, such as "duration", in
     which cases differ is a parameter of each case, unless a measured quantity has its name.
     A case that several sweeps share has the parameters of the one that stored it: those of others
-    are missing in it, NaN in tables.
+    are missing in it, NaN in tables. Cases of one sweep with the same scene and run are one case,
+    with the parameters of the last one that ran.
 
     Parameters
     ----------
@@ -365,9 +366,14 @@ def _order(parameters: Parameters) -> list[tuple[str, bool, float, str]]:
     ]
 
 
+def _quoted(name: str) -> str:
+    """Return a name as netCDF has it; "." alone is the group of all variables."""
+    return "%2E" if name == "." else quote(name, _SAFE)
+
+
 def _variable(name: str, array: Any) -> tuple[tuple[str, ...], Any]:  # noqa: ANN401
     """Return dimensions of its own, and the numbers."""
-    return tuple(f"{quote(name, _SAFE)}_{k}" for k in range(array.ndim)), array
+    return tuple(f"{_quoted(name)}_{k}" for k in range(array.ndim)), array
 
 
 def _plain(array: Any) -> Any:  # noqa: ANN401

@@ -132,6 +132,26 @@ def test_results_themselves_are_stored_and_read_when_asked_for(tmp_path):
     assert [result.time[-1] for result in stored.results[1:3]] == [5e-3, 5e-3]
 
 
+@pytest.mark.parametrize("name", [".", "..", "./a", "a/b", "100 %"])
+def test_a_measured_quantity_may_have_any_name(name, tmp_path):
+    def measure(result):
+        return {name: result.time.size, f"{name} of rows": result.time}
+
+    once = rc.sweep(PAPER, {"pretension": [0.0, 25.0]}, measure, **SHORT, store=tmp_path)
+    assert_same(once, rc.load_sweep(tmp_path))
+
+
+def test_cases_that_differ_in_a_label_only_share_a_file(tmp_path):
+    def drive(pretension, label):
+        return rc.paper_drive(pretension)
+
+    axes = {"pretension": [10.0, 20.0], "label": ["a", "b"]}
+    once = rc.sweep(drive, axes, lambda result: result.time.size, **SHORT, store=tmp_path)
+    assert once.success
+    assert len(once.cases) == 4
+    assert len(list(tmp_path.glob("*.nc"))) == len(rc.load_sweep(tmp_path).cases) == 2
+
+
 def test_a_damaged_file_is_run_again(tmp_path):
     first, _ = counted(PAPER, AXES, Counted(), store=tmp_path, **SHORT)
     files = sorted(tmp_path.iterdir())
