@@ -178,7 +178,8 @@ def _drive(drive: ChainDrive, *_: str) -> Iterator[str]:
                     f"{radius * speed:.4g} m/s, roller chains run below {_FASTEST_CHAIN:g} m/s; "
                     "convert rev/min by rustchain.rpm"
                 )
-        if isinstance(sprocket.profile, CustomTooth):
+        own = (getattr(sprocket.profile, size, None) for size in ("roller_diameter", "seat_radius"))
+        if isinstance(sprocket.profile, CustomTooth) or any(own):
             yield from _seat(drive.chain, sprocket, number)
 
 
@@ -219,10 +220,12 @@ def _seat(chain: Chain, sprocket: Sprocket, number: int) -> Iterator[str]:
     offset = float(np.interp(0.0, -penetration, offsets))  # the penetration falls outward
     if abs(offset) > _FARTHEST_SEAT * chain.pitch:
         side = "below" if offset < 0.0 else "above"
+        remedy = "draw the pieces for this tooth number"
+        if not isinstance(sprocket.profile, CustomTooth):
+            remedy = f"the chain needs a roller_diameter of {2e3 * chain.contact_radius:.4g} mm"
         yield (
             f"profile of sprocket {number}: a seated bushing stands {1e3 * abs(offset):.1f} mm "
-            f"{side} the pitch circle of {sprocket.teeth} teeth; draw the pieces for this tooth "
-            "number"
+            f"{side} the pitch circle of {sprocket.teeth} teeth; {remedy}"
         )
 
 

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -136,6 +137,23 @@ def test_a_tooth_drawn_for_another_number_of_teeth_is_told(teeth, depth):
     assert told(teeth) == (
         f"profile of sprocket 2: a seated bushing stands {depth} mm below the pitch circle of "
         f"{teeth} teeth; draw the pieces for this tooth number",
+    )
+
+
+@pytest.mark.parametrize("seat", ["bottom-diameter", "pitch-circle"])
+@pytest.mark.parametrize("form", [rc.AnsiTooth, rc.IsoTooth, partial(rc.StraightTooth, 0.3)])
+def test_a_tooth_cut_for_far_larger_rollers_is_told(form, seat):
+    def told(share):
+        tooth = form(seat=seat, roller_diameter=share * 7.9375e-3)
+        drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, profile=tooth)
+        return drive.check().warnings
+
+    assert told(1.0) == told(1.1) == ()
+    assert len(told(1.3)) == 2
+    assert re.fullmatch(
+        r"profile of sprocket 1: a seated bushing stands 1\.[23] mm below the pitch circle of 17 "
+        r"teeth; the chain needs a roller_diameter of 7\.938 mm",
+        told(1.3)[0],
     )
 
 
