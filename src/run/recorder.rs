@@ -90,11 +90,11 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// Return the time of the next report \[s\]; `None` if all are complete. The last report lies exactly at the end.
+    /// Return the time of the next report \[s\]; `None` if all are complete. The first report lies exactly at the start, the last at the end.
     pub(crate) fn next_report(&self) -> Option<f64> {
         let t = self.begin + self.next as f64 * self.report_step;
         let rounding = ROUNDING_AT_END * self.report_step;
-        if t < self.end - rounding {
+        if self.next == 0 || t < self.end - rounding {
             Some(t)
         } else if self.last.is_none_or(|last| last < self.end) {
             Some(self.end)

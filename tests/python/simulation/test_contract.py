@@ -98,6 +98,12 @@ def test_all_that_the_scene_has_is_recorded_by_default(scene, result):
     assert len(rc.Simulation(scene).run(2e-4, progress=False).time) == 3  # a row each 1e-4 s
 
 
+@pytest.mark.parametrize("duration", [1e-10, 1e-14, 1e-20])
+def test_a_run_far_shorter_than_a_report_step_has_rows_of_its_start_and_end(scene, duration):
+    short = rc.Simulation(scene).run(duration, report_step=1.0, progress=False)
+    assert short.time.tolist() == [0.0, duration]
+
+
 def test_energy_is_a_group_like_the_others(scene, result):
     energy = result.energy
     balance = energy.kinetic + energy.gravity + energy.elastic
