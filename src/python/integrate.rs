@@ -68,6 +68,15 @@ fn check_integration(
         return Err(Error::invalid("t_span", shown, "must end after it begins"));
     }
     control.validate()?;
+    let rounding = f64::EPSILON * t_span.0.abs().max(t_span.1.abs());
+    if control.max_step < rounding {
+        let expected = format!("must be at least {rounding:.1e} s, the rounding of t_span");
+        return Err(Error::invalid(
+            "Solver.max_step",
+            control.max_step,
+            expected,
+        ));
+    }
     if !control.is_by_component() {
         let expected = "rtol and atol must not both be zero";
         return Err(Error::invalid("Solver.atol", control.atol, expected));

@@ -99,6 +99,7 @@ def test_an_exception_of_the_right_hand_side_comes_through():
         ({"tolerance": math.nan}, "rtol"),
         ({"max_order": 13}, "max_order"),
         ({"max_step": 0.0}, "max_step"),
+        ({"max_step": 1e-17}, r"max_step = .* at least 4\.4e-16 s, the rounding of t_span"),
         ({"times": np.array([0.0, 3.0])}, "t_eval"),
         ({"times": np.array([1.0, 0.5])}, "t_eval"),
         ({"slope": lambda t, y: np.zeros(2)}, "must return 1 values"),
