@@ -440,6 +440,20 @@ def test_ramps_of_two_motors_that_do_not_agree_are_warned_of(end, warned):
     assert ("different speeds" in told) is warned
 
 
+@pytest.mark.parametrize(("frequency", "warned"), [(100.0, False), (101.0, True), (0.0, True)])
+def test_sines_of_two_motors_that_do_not_agree_later_are_warned_of(frequency, warned):
+    def motor(teeth, frequency):
+        terms = [(2.0 / teeth, frequency, 0.0)] if frequency else []
+        return rc.PrescribedSpeed(rc.Sines(terms, offset=170.0 / teeth))
+
+    sprockets = [
+        rc.Sprocket(17, (0.0, 0.0), motor(17, 100.0)),
+        rc.Sprocket(25, (0.35, 0.0), motor(25, frequency)),
+    ]
+    told = " ".join(rc.chain_drive("ANSI 40", sprockets).check().warnings)
+    assert ("which move the chain at different speeds" in told) is warned
+
+
 def test_the_length_to_spare_of_a_worn_chain_is_that_of_its_links():
     chain = replace(rc.catalogue_chain("ANSI 40", 86), elongation=0.02)
     sprockets = [rc.Sprocket(17, (0.0, 0.0)), rc.Sprocket(25, (0.4, 0.0))]
