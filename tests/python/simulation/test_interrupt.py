@@ -166,7 +166,7 @@ def test_the_assembly_of_a_large_mechanism_is_interrupted_and_leaves_other_threa
     def ring(number, frame):
         raise Alarm
 
-    # Bars of 1 m between the bodies of a net, which are so far from their places that it cannot be assembled.
+    # Bars of 1 m between the bodies of a net, too far from their places for an assembly.
     scatter, size = np.random.default_rng(0), 50
     net = rc.Mechanism()
     for i, j in np.ndindex(size, size):

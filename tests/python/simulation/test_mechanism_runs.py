@@ -204,7 +204,7 @@ def test_a_message_lists_eight_names():
     assert '"body 7" and 12 more to the ground' in told
     assert "body 8" not in told
     m.add_spring("spring", "ground", "body 20", 1.0)
-    with pytest.raises(rc.InvalidInput, match='there are .*"body 6" and 13 more'):
+    with pytest.raises(rc.InvalidInput, match=r'there are .*"body 6" and 13 more'):
         rc.Simulation(m)
 
 
