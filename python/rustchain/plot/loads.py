@@ -41,7 +41,7 @@ class LoadFigures(Figures):
         """Draw the hinge force along the chain path: mean, nine tenths of the reports, largest."""
         found = self.result.hinge_loads(quantiles=_QUANTILES, start=start, end=end)
         figure, axes = subplots(ax=ax, figsize=(7.0, 3.2))
-        _band(axes, found["position"].to_numpy(), found)
+        _band(axes, "position", found)
         circuit = Circuit.during(self.result, rows_between(self.result, start, end))
         for section in circuit.sections:
             if section.sprocket is None:
@@ -76,7 +76,7 @@ class LoadFigures(Figures):
         """Draw the tooth force over a sprocket's revolution, and the load of each tooth."""
         found = self.result.tooth_loads(sprocket, quantiles=_QUANTILES, start=start, end=end)
         figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 3.2), width_ratios=(1.7, 1.0))
-        _band(left, np.degrees(found["angle"].to_numpy()), found)
+        _band(left, "angle", found.assign_coords(angle=np.degrees(found["angle"])))
         left.set(xlim=(0.0, 360.0), ylim=(0.0, None), xticks=range(0, 361, 60))
         left.set(xlabel="direction of the gap [°]", ylabel="tooth force [N]")
         legend_above(left)
@@ -113,6 +113,7 @@ class LoadFigures(Figures):
             axes.fill(*outline.T, facecolor=STEEL, edgecolor=GREY, linewidth=0.7)
             most = float(found["largest"].max())
             step = round_number(most / 2.0)
+            found = found.dropna("angle")
             angle = found["angle"].to_numpy()
             around = np.append(angle, angle[:1])
             for name, color, width in (("largest", RED, 0.8), ("mean", BLUE, 1.4)):
@@ -143,11 +144,9 @@ class LoadFigures(Figures):
         figure, cells = panels(len(numbers), x, "force [N]", share="y", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             found = self.result.wrap_loads(number, quantiles=_QUANTILES, start=start, end=end)
-            position = found["position"].to_numpy()
-            _band(axes, position, found, "tooth, ")
-            axes.plot(
-                position, found["hinge_mean"], color=GREY, linestyle="--", label="hinge, mean"
-            )
+            _band(axes, "position", found, "tooth, ")
+            mean = found["hinge_mean"].dropna("position")
+            axes.plot(mean["position"], mean, color=GREY, linestyle="--", label="hinge, mean")
             for place in (0.0, found.attrs["wrap"]):
                 axes.axvline(place, color=GREY, linewidth=0.7)
             axes.set_title(f"sprocket {number}")
@@ -219,7 +218,7 @@ class LoadFigures(Figures):
         )
         for (left, right), number in zip(cells, (guide, *more), strict=True):
             found = self.result.guide_loads(number, quantiles=_QUANTILES, start=start, end=end)
-            _band(left, found["position"].to_numpy(), found)
+            _band(left, "position", found)
             left.set(ylim=(0.0, None), xlabel="place from the guide's middle [pitches]")
             left.set(ylabel=f"guide {found.attrs['guide']}, force of a bushing [N]")
             legend_above(left)
@@ -268,12 +267,17 @@ class LoadFigures(Figures):
         return figure
 
 
-def _band(axes: Axes, x: object, found: xr.Dataset, of: str = "") -> None:
-    """Draw mean, the band between two quantiles, and the largest value; say where there is none."""
+def _band(axes: Axes, along: str, found: xr.Dataset, of: str = "") -> None:
+    """Draw mean, the band between two quantiles, and the largest value; say where there is none.
+
+    Lines go over places without values: of a drive at rest most places have none.
+    """
+    found = found[["quantiles", "mean", "largest"]].dropna(along)
+    x = found[along]
     low, high = (found["quantiles"].isel(quantile=k) for k in (0, -1))
-    axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label=f"{of}5 to 95 %")  # type: ignore[arg-type]
-    axes.plot(x, found["mean"], color=BLUE, label=f"{of}mean")  # type: ignore[arg-type]
-    axes.plot(x, found["largest"], color=RED, linewidth=0.6, label=f"{of}largest")  # type: ignore[arg-type]
+    axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label=f"{of}5 to 95 %")
+    axes.plot(x, found["mean"], color=BLUE, label=f"{of}mean")
+    axes.plot(x, found["largest"], color=RED, linewidth=0.6, label=f"{of}largest")
     if is_empty(found["largest"]):
         note(axes, "no force in this part")
 

@@ -324,3 +324,21 @@ def test_energies_of_a_part_count_from_its_first_row():
     for axes, expected in zip(drawn.axes, part.axes, strict=True):
         for line, other in zip(axes.lines, expected.lines, strict=True):
             np.testing.assert_array_equal(line.get_xydata(), other.get_xydata())
+
+
+def test_loads_of_a_drive_at_rest_are_drawn_although_most_places_have_none():
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", teeth=(17, 25), links=60, speed=0.0, torque=-4.0, pretension=60.0
+    )
+    result = rc.Simulation(drive, start="static").run(
+        duration=1e-3, record=("hinges", "teeth", "sprockets"), progress=False
+    )
+    plot = result.plot
+    for figure, drawn in (
+        (plot.hinge_loads(), 2),
+        (plot.tooth_loads(1), 2),
+        (plot.wrap_loads(1), 3),
+        (plot.polar_tooth_loads(1), 2),
+    ):
+        curves = [line.get_ydata() for line in figure.axes[0].lines[:drawn]]
+        assert all(len(curve) > 8 and np.isfinite(curve).all() for curve in curves)
