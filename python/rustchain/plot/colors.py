@@ -60,6 +60,8 @@ def in_theme(color: str, theme: Theme) -> str:
 def theme_css() -> str:
     """Return the colours of pages: light or dark as the reader has it, or as set by `data-theme`.
 
+    Paper is white: pages are printed in light colours.
+
     Curves have the names c1, c2, ...; ``--x0b64a0`` is what stands for #0b64a0 of a figure.
     """
     named = {"ink": INK, "dim": GREY, "paper": PAPER, "soft": SOFT, "line": GRID, "accent": BLUE}
@@ -74,5 +76,6 @@ def theme_css() -> str:
         f"@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
         f':root[data-theme="light"] {{ color-scheme: light; {light} }}\n'
         f':root[data-theme="dark"] {{ color-scheme: dark; {dark} }}\n'
+        f"@media print {{ :root:root:root {{ color-scheme: light; {light} }} }}\n"
         "body { background: var(--paper); color: var(--ink); }"
     )

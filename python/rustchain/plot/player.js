@@ -18,7 +18,7 @@
 .player .told { min-height: 4.4em; font-variant-numeric: tabular-nums; white-space: pre-line; }
 .player .keys, .player .legend { color: var(--dim); font-size: 12.5px; }
 .player .legend span { margin-right: 1.2em; white-space: nowrap; }
-.player .legend i { display: inline-block; width: 1.4em; height: 3px; margin-right: .4em;
+.player .legend i { display: inline-block; width: 1.4em; height: 3px; margin-right: .4em; print-color-adjust: exact;
   vertical-align: middle; }
 @media (max-width: 640px) { .player .keys { display: none; } }`;
 
@@ -325,13 +325,16 @@
         draw.lineWidth = 1.2 * ratio;
         draw.beginPath();
         const [lows, highs] = drawn[k];
-        let started = false;
+        let last = null;
         for (let column = 0; column < columns; column++) {
-          if (lows[column] > highs[column]) continue;
+          let near = lows[column], far = highs[column];
+          if (near > far) continue;
+          // From the end nearer to the column before: a slope is no saw.
+          if (last !== null && far - last < last - near) [near, far] = [far, near];
           const at = margin + (column + 0.5) / columns * (right - margin);
-          if (started) draw.lineTo(at, y(highs[column])); else draw.moveTo(at, y(highs[column]));
-          draw.lineTo(at, y(lows[column]));
-          started = true;
+          if (last === null) draw.moveTo(at, y(near)); else draw.lineTo(at, y(near));
+          draw.lineTo(at, y(far));
+          last = far;
         }
         draw.stroke();
       });
@@ -507,6 +510,16 @@
     new ResizeObserver(() => redraw(true)).observe(root);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => redraw(true));
     new MutationObserver(() => redraw(true)).observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
+    // Paper is white.
+    const html = document.documentElement;
+    let shown;
+    addEventListener("beforeprint", () => {
+      shown = html.dataset.theme;
+      html.dataset.theme = "light";
+      still = null;
+      drawStage(); drawChart();
+    });
+    addEventListener("afterprint", () => { if (shown) html.dataset.theme = shown; else delete html.dataset.theme; });
     redraw(true);
     root.dataset.ready = "true";
     root.player = state; // for those who look in from outside

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import zlib
 from collections.abc import Sequence
 from html import escape
@@ -163,7 +164,7 @@ def block_of(values: Array, step: float, order: int) -> dict[str, Any]:
     """Return numbers as the player's `decode` takes them.
 
     NaN, which JSON lacks, becomes 0. Values are rounded to whole multiples of `step`, or to a
-    billionth of their range where that is larger. Their differences of `order` along time, small
+    billionth of their range where that is larger, so that 0 remains 0. Their differences of `order` along time, small
     for smooth motion, are packed by bytes.
 
     Parameters
@@ -177,7 +178,11 @@ def block_of(values: Array, step: float, order: int) -> dict[str, Any]:
     """
     values = np.nan_to_num(values)
     low, high = float(values.min()), float(values.max())
-    scale = max(step, (high - low) / _WHOLE) or 1.0
+    scale = max(step, (high - low) / _WHOLE)
+    if scale > 0.0:
+        low = scale * math.floor(low / scale)
+    else:  # one number
+        scale = 1.0
     whole = np.rint((values - low) / scale).astype(np.int64)
     for _ in range(order):
         whole = np.diff(whole, axis=1, prepend=0)

@@ -201,3 +201,13 @@ def test_twenty_thousand_rows_are_fluent_and_small(tmp_path):
             frames,
         )
         assert (time.monotonic() - start) / frames < 0.05
+
+
+def test_a_force_of_zero_is_zero_in_a_page():
+    values = np.array([[0.0, 1.0, -0.37], [0.0, 0.0, 123.4]])
+    for step in (0.0, 1e-3):
+        block = unpacked(player.block_of(values, step, 1))
+        assert (block[values == 0.0] == 0.0).all()
+        assert block == pytest.approx(values, abs=1e-3)
+    for constant in (0.0, 4.905):
+        assert (unpacked(player.block_of(np.full((1, 3), constant), 0.0, 1)) == constant).all()

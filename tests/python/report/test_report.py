@@ -351,6 +351,19 @@ def test_it_prints_without_the_player_and_without_tables_cut_off(path):
         page.wait_for_timeout(100)  # for a frame of the hidden player, which draws nothing
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_prints_on_white_paper(path, scheme):
+    with opened(path, color_scheme=scheme) as page:
+        ready(page)
+        if scheme == "light":
+            page.click("nav button")
+        page.emulate_media(media="print")
+        paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
+        assert paper == "rgb(255, 255, 255)"
+        text = page.evaluate("getComputedStyle(document.querySelector('figure svg text')).fill")
+        assert sum(map(int, re.findall(r"\d+", text)[:3])) < 200
+
+
 def test_a_report_has_the_colours_of_its_page_whatever_the_theme(result, tmp_path):
     pages = []
     for theme in ("light", "dark"):
