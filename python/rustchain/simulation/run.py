@@ -7,6 +7,7 @@ import os
 import shutil
 import sys
 import time
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from pathlib import Path
@@ -216,7 +217,10 @@ def _bar(total: float, description: str | None) -> AbstractContextManager[Bar]:
         return nullcontext(_NoBar(total))
     lines = nullcontext(_Lines(total, description))
     try:
-        tqdm = extras.auto.tqdm
+        with warnings.catch_warnings():
+            # A notebook without ipywidgets has a bar of text, which needs no warning.
+            warnings.filterwarnings("ignore", "IProgress not found")
+            tqdm = extras.auto.tqdm
     except MissingExtra:
         return lines
     form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s simulated [{elapsed}<{remaining}, {rate_noinv_fmt}]"

@@ -101,3 +101,17 @@ def test_the_extra_of_all_has_what_each_extra_has(project):
     extras = project["optional-dependencies"]
     everything = set(extras.pop("all"))
     assert everything == {package for packages in extras.values() for package in packages}
+
+
+def test_a_notebook_without_ipywidgets_warns_of_nothing():
+    code = BLOCKED.format(blocked={"ipywidgets"}).replace(
+        "import rustchain as rc",
+        "from types import SimpleNamespace as Space\n"
+        "kernel = Space(config={'IPKernelApp': {}})\n"
+        "sys.modules['IPython'] = Space(get_ipython=lambda: kernel)\n"
+        "sys.modules['ipykernel.zmqshell'] = Space()\n"
+        "import rustchain as rc",
+    )
+    done = python(code, "-W", "always")
+    assert done.returncode == 0, done.stderr
+    assert "IProgress" not in done.stderr
