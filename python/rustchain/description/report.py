@@ -238,15 +238,23 @@ class DriveReport(HtmlView):
         if not self.guide_gap:
             return []
         back, out = zip(*self.guide_travel, strict=True)
+
+        def of_arms(values: Numbers, factor: float) -> list[str]:
+            texts = zip(_scaled(values, factor, ".3f"), self.guide_travel, strict=True)
+            return [text if any(travel) else "" for text, travel in texts]
+
+        with_arm: list[Row] = [
+            _row("arm swung by [deg]", of_arms(self.guide_turn, degrees(1))),
+            _row("plunger to inner stop [mm]", of_arms(back, 1e3)),
+            _row("plunger to outer stop [mm]", of_arms(out, 1e3)),
+        ]
         return [
             ("", ""),
             _row("guide", range(1, len(self.guide_gap) + 1)),
             _row("at", (place.removeprefix("strand ") for place in self.guide_place)),
             _row("gap to the chain [mm]", _scaled(self.guide_gap, 1e3, ".4f")),
             _row("bushings along it", self.guide_bushings),
-            _row("arm swung by [deg]", _scaled(self.guide_turn, degrees(1), ".3f")),
-            _row("plunger: way back [mm]", _scaled(back, 1e3, ".3f")),
-            _row("plunger: way out [mm]", _scaled(out, 1e3, ".3f")),
+            *(with_arm if any(map(any, self.guide_travel)) else ()),
         ]
 
 

@@ -41,8 +41,15 @@ def test_check_tells_where_guides_begin():
     assert back + out == pytest.approx(0.04)
     assert back - 0.01 == pytest.approx(0.081 * report.guide_turn[0], abs=1e-9)
     table = str(report)
-    for row in ("guide ", "gap to the chain [mm]", "bushings along it", "plunger: way out [mm]"):
+    for row in ("guide ", "gap to the chain [mm]", "bushings along it"):
         assert row in table
+    rows = {row[0]: row[1] for row in report.rows()}
+    assert rows["plunger to outer stop [mm]"][1] == ""  # the rail has no arm
+    assert float(rows["plunger to inner stop [mm]"][0]) == pytest.approx(1e3 * back, abs=1e-3)
+    rail = str(replace(drive, guides=drive.guides[1:]).check())
+    assert "gap to the chain [mm]" in rail
+    assert "plunger" not in rail
+    assert "arm swung" not in rail
     assert "guide" not in str(replace(drive, guides=()).check())
 
 
