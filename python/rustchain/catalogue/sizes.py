@@ -229,6 +229,13 @@ class ChainSize:
         mass = _STEEL_DENSITY * 2 * pi / 4 * diameter**2 * length
         return Part(mass, mass * (diameter**2 / 8 + self.pitch**2 / 4))
 
+    def __repr__(self) -> str:
+        """Return name, pitch, mass per length and strength on one line."""
+        return (
+            f"<ChainSize {self.name}: pitch {1e3 * self.pitch:g} mm, {self.mass_per_length:.3g} kg/m, "
+            f"strength {1e-3 * self.strength:.3g} kN>"
+        )
+
     def __str__(self) -> str:
         """Return a table of the size, with the source of each number."""
         lines = [f"{self.name} ({self.standard}), simplex"]

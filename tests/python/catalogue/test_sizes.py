@@ -157,3 +157,8 @@ def test_sizes_are_keys_of_dicts_and_equal_by_value():
     size = rc.chain_sizes()["ANSI 40"]
     assert {size: 1}[copy.deepcopy(size)] == 1
     assert size != rc.chain_sizes()["ANSI 50"]
+
+
+def test_a_size_is_one_line_in_a_list():
+    text = repr(rc.chain_sizes()["ISO 08B"])
+    assert text == "<ChainSize ISO 08B: pitch 12.7 mm, 0.7 kg/m, strength 17.8 kN>"
