@@ -192,6 +192,7 @@ class MotionFigures(Figures):
                 for name, power in zip(
                     found["channel"].to_numpy(), found["loss"].to_numpy(), strict=True
                 )
+                if name != "dashpots" or power
             ),
             *([("other work", other, GREY)] if (other := float(found["other_work"])) else []),
             ("stored", -float(found["stored"].sum()), GREEN),

@@ -166,7 +166,7 @@ def test_the_power_balance_of_a_drive_without_dashpots_draws_none_of_them():
         loss = part.power_balance()["loss"]
         assert float(loss.sel(channel="dashpots")) == 0.0
         axes = part.plot.power_balance().axes[1]
-        assert "dashpots" not in [label.get_text() for label in axes.get_yticklabels()]
+        assert "lost: dashpots" not in [label.get_text() for label in axes.get_yticklabels()]
 
 
 # --- what is not there is said
