@@ -43,7 +43,7 @@ def plot(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[FIGURES]...",
+            metavar="FIGURES",
             help="Figures to draw, such as tension energy; by default all that the file has the "
             "data for.",
         ),

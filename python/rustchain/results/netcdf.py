@@ -53,6 +53,11 @@ def read(path: object) -> xr.Dataset:
 
 def damaged(path: object, error: object) -> InvalidInput:
     """Return the error with the reason why a file has no complete result."""
+    if shown_path(path).endswith(".toml"):
+        return InvalidInput(
+            f"path = {shown_path(path)}: is a drive file; expected a result: run it first, by "
+            "rustchain run or Simulation.run"
+        )
     return InvalidInput(
         f"path = {shown_path(path)}: is no result, or is damaged ({error}): give a file "
         f"that {WRITER} wrote, which is netCDF whatever its name, or copy or save it again"
