@@ -234,8 +234,8 @@ def _closed(drive: ChainDrive) -> ChainDrive:
     """Return the drive, or raise where its chain is open."""
     if drive.ends is not None:
         msg = (
-            "ChainDrive.ends: an open chain has no closed way that its links run round; use "
-            "hinge(), bushing() and end(), which take one at a time"
+            "ChainDrive.ends: an open chain has no closed chain path; use hinge(), bushing() and "
+            "end(), which take one at a time"
         )
         raise InvalidInput(msg)
     return drive

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 _THEME: Theme = "light"
 _SAMPLES = 24  # rows from which the view is chosen
-ARROW = 2.0  # length of the arrow of a large force, in sizes of a part
+_ARROW = 2.0  # length of the arrow of a large force, in sizes of a part
+_LONGEST = 0.4  # of the scene: longer arrows of a single body would leave the view
 THICKNESS = 0.16  # of arrows, in sizes of a part
 _VIEW = 8.0  # width of a view that follows a body, in sizes of a part
 _MARGIN = 0.6  # round all that moves, in sizes of a part
@@ -53,6 +54,14 @@ def view_of(animation: Animation) -> tuple[Array, Array]:
     return np.zeros(2), np.array([width, 0.6 * width])
 
 
+def arrow_scale(animation: Animation, large: float) -> float:
+    """Return the length of an arrow for each newton [m/N], from a large force [N]."""
+    if not large > 0.0:
+        return 0.0
+    _, size = view_of(animation.of_scene())
+    return min(_ARROW * animation.shapes.size, _LONGEST * float(size.max())) / large
+
+
 class Canvas:
     """A matplotlib canvas whose artists are moved from frame to frame, the rest drawn once."""
 
@@ -65,8 +74,7 @@ class Canvas:
             self.follow = self.result.body_names.index(animation.camera)
         large = large_force(self.result, animation.shapes.forces, animation.rows)
         self.force_shown = round_number(large)
-        # Length of an arrow for each newton [m/N].
-        self.arrow = ARROW * animation.shapes.size / large if large > 0.0 else 0.0
+        self.arrow = arrow_scale(animation, large)
         self._set_up()
 
     @styled
@@ -172,7 +180,8 @@ class Canvas:
             vectors = self.arrow * forces_at(self.result, group.array, np.array([time]))[0]
             _set_points(patch, arrows(at, vectors, THICKNESS * self.animation.shapes.size))
         slow = self.animation.slowdown
-        speed = f"{slow:.3g} times slower" if slow >= 1.0 else f"{1.0 / slow:.3g} times faster"
+        times, word = (slow, "slower") if slow >= 1.0 else (1.0 / slow, "faster")
+        speed = f"{times:.0f} times {word}" if times >= 100.0 else f"{times:.3g} times {word}"
         self.clock.set_text(f"t = {1e3 * time:.2f} ms, {speed}")
         self.canvas.restore_region(self.background)
         renderer = self.canvas.get_renderer()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rustchain.plot.between_rows import large_force
-from rustchain.plot.canvas import ARROW, NAMES, THICKNESS, view_of
+from rustchain.plot.canvas import NAMES, THICKNESS, arrow_scale, view_of
 from rustchain.plot.colors import theme_css
 from rustchain.plot.looks import FORCE_COLORS, LOOKS
 from rustchain.plot.shapes import Bar, Forces, Shape
@@ -104,7 +104,7 @@ def _data(animation: Animation, rows: slice) -> dict[str, Any]:
         "view": _view(center, size),
         "whole": _view(whole_center, whole_size),
         "close": 8.0 * shapes.size,
-        "arrow": ARROW * shapes.size / large if large > 0.0 else 0.0,
+        "arrow": arrow_scale(animation, large),
         "width": THICKNESS * shapes.size,
     }
 

@@ -246,3 +246,18 @@ def test_a_view_has_its_width_where_the_scene_is_tall():
     result = rc.Simulation(drive).run(1e-3, record=("bodies",), progress=False)
     left, right = canvas.Canvas(result.animate(view=0.1)).axes.get_xlim()
     assert right - left == pytest.approx(0.1, rel=0.01)  # frames have whole pixels
+
+
+def test_a_large_force_on_a_single_body_is_inside_the_view():
+    m = rc.Mechanism()
+    m.add_body("rotor", mass=0.5, inertia=2e-3)
+    m.add_revolute("bearing", "ground", "rotor")
+    animation = rc.Simulation(m).run(1e-2, progress=False).animate()
+    drawn = canvas.Canvas(animation)
+    assert drawn.arrow * 0.5 * 9.81 < 0.5 * drawn.size.min()  # from the middle
+
+
+def test_the_slow_motion_is_told_in_digits():
+    drawn = canvas.Canvas(RESULT.animate(slow_motion=5000.0))
+    drawn.draw(0.01)
+    assert drawn.clock.get_text() == "t = 10.00 ms, 5000 times slower"
