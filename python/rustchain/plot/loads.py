@@ -125,10 +125,12 @@ class LoadFigures(Figures):
             circle = np.linspace(0.0, 2.0 * np.pi, 181)
             base = _around(circle, np.zeros(181), most)
             axes.fill(*base, facecolor=PAPER, edgecolor=GREY, linewidth=0.4, zorder=0.6)
+            label = _clear_direction(angle, found["largest"].to_numpy())
             for level in np.arange(step, 1.001 * most, step):
                 ring = _around(circle, np.full(181, level), most)
                 axes.plot(*ring, color=GREY, linewidth=0.4, alpha=0.7)
-                axes.text(ring[0, 22], ring[1, 22], f"{level:g} N", fontsize=7.5, color=GREY)
+                x, y = _around(label, np.full(1, level), most)[:, 0]
+                axes.text(x, y, f"{level:g} N", fontsize=7.5, color=GREY)
             axes.set(aspect="equal", title=f"sprocket {number}")
             axes.set_axis_off()
         legend_outside(cells, "outside upper right", ax)
@@ -287,6 +289,15 @@ def _around(angle: Array, force: Array, most: float) -> Array:
     radius = 1.05 + force / most if most > 0.0 else np.full(len(angle), 1.05)
     points: Array = radius * np.stack([np.cos(angle), np.sin(angle)])
     return points
+
+
+def _clear_direction(angle: Array, force: Array) -> Array:
+    """Return the direction nearest to 45 degrees that has hardly a force within 30 degrees, (1,)."""
+    apart = np.abs(np.angle(np.exp(1j * (angle[:, None] - angle))))
+    near = np.where(apart < np.pi / 6.0, force, 0.0).max(axis=1)
+    clear = angle[near <= near.min() + 0.05 * force.max()]
+    from_diagonal = np.abs(np.angle(np.exp(1j * (clear - np.pi / 4.0))))
+    return clear[from_diagonal.argmin()][None]
 
 
 def _cycles(axes: Axes, cycles: xr.Dataset) -> None:

@@ -342,3 +342,21 @@ def test_loads_of_a_drive_at_rest_are_drawn_although_most_places_have_none():
     ):
         curves = [line.get_ydata() for line in figure.axes[0].lines[:drawn]]
         assert all(len(curve) > 8 and np.isfinite(curve).all() for curve in curves)
+
+
+def test_forces_of_the_circles_of_a_polar_figure_are_written_beside_the_curve():
+    hoist = rc.open_chain(
+        "ANSI 40",
+        ends=(rc.AnchoredEnd((-0.16, -0.02), links=50), rc.LoadedEnd(10.0, arm=0.08)),
+        links=90,
+        sprockets=[rc.Sprocket(17, motion=rc.PrescribedSpeed(8.0))],
+    )
+    result = rc.Simulation(hoist).run(duration=0.02, progress=False)
+    found = result.tooth_loads(1).dropna("angle")
+    (axes,) = result.plot.polar_tooth_loads(1).axes
+    assert axes.texts
+    for text in axes.texts:
+        x, y = text.get_position()
+        apart = np.angle(np.exp(1j * (found["angle"] - np.arctan2(y, x))))
+        beside = found["largest"].to_numpy()[np.abs(apart) < 0.3]
+        assert beside.max() < 0.2 * float(found["largest"].max())
