@@ -232,8 +232,8 @@ class ChainSize:
     def __repr__(self) -> str:
         """Return name, pitch, mass per length and strength on one line."""
         return (
-            f"<ChainSize {self.name}: pitch {1e3 * self.pitch:g} mm, {self.mass_per_length:.3g} kg/m, "
-            f"strength {1e-3 * self.strength:.3g} kN>"
+            f"<ChainSize {self.name}: pitch {1e3 * self.pitch:g} mm, "
+            f"{self.mass_per_length:.3g} kg/m, strength {1e-3 * self.strength:.3g} kN>"
         )
 
     def __str__(self) -> str:

@@ -282,7 +282,7 @@
       still = document.createElement("canvas");
       still.width = width; still.height = height;
       const draw = still.getContext("2d"), lines = curves();
-      margin = 58 * ratio;
+      margin = 66 * ratio; // of labels such as 15000
       const right = width - 10 * ratio, top = 10 * ratio, bottom = height - 24 * ratio;
       const [from, to] = state.span.map((time) => place(time)[0]);
       const columns = Math.max(1, Math.round((right - margin) / ratio));

@@ -164,8 +164,8 @@ def block_of(values: Array, step: float, order: int) -> dict[str, Any]:
     """Return numbers as the player's `decode` takes them.
 
     NaN, which JSON lacks, becomes 0. Values are rounded to whole multiples of `step`, or to a
-    billionth of their range where that is larger, so that 0 remains 0. Their differences of `order` along time, small
-    for smooth motion, are packed by bytes.
+    billionth of their range where that is larger, so that 0 remains 0. Their differences of
+    `order` along time, small for smooth motion, are packed by bytes.
 
     Parameters
     ----------

@@ -14,6 +14,7 @@ import numpy as np
 from rustchain import extras
 from rustchain.description.base import fields_of
 from rustchain.description.drive import ChainDrive
+from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.files.writer import text_of_scene
 from rustchain.names import counted
@@ -155,7 +156,7 @@ def _inputs(result: Result) -> str:
             layout = f"<pre>{escape(str(scene.system.check()))}</pre>"
         except InvalidInput:  # which is among the warnings
             layout = ""
-    rows = [(label, _short(value)) for label, value in (*laws, ("solver", scene.solver))]
+    rows = [(label, line_of(value)) for label, value in (*laws, ("solver", scene.solver))]
     rows.append(("start", scene.start if scene.positions is None else "given positions"))
     try:
         text = escape(text_of_scene(scene, ".toml"))
@@ -165,11 +166,13 @@ def _inputs(result: Result) -> str:
     return f"{layout}<h3>Simulation</h3>{_table((), rows)}{every}"
 
 
-def _short(value: object) -> str:
+def line_of(value: object) -> str:
     """Return a description in one line: its name, and what it sets."""
     if isinstance(value, str):
         return value
     fields = fields_of(value) or {}
+    if isinstance(value, Solver) and (value.rtol, value.atol) != (None, None):
+        del fields["accuracy"]  # which they replace
     given = ", ".join(f"{k} {v}" for k, v in fields.items() if v is not None)
     return f"{type(value).__name__}: {given}"
 
@@ -184,7 +187,7 @@ def _key_figures(result: Result) -> str:
     energy = _energy(result)
     note = (
         f"± is the 95 % interval of a mean over time, from the means of {PARTS} parts of equal "
-        f"duration ({_number(np.ptp(result.time) / PARTS)} s{_turns(result)}), taken as "
+        f"duration ({number_text(np.ptp(result.time) / PARTS)} s{_turns(result)}), taken as "
         "independent. What repeats within a revolution makes it wider than chance does, a change "
         "that outlasts a part narrower. Of other figures the range of the parts is given. Other "
         "starts of a chaotic drive are the subject of study()."
@@ -197,10 +200,10 @@ def _in_its_unit(figure: KeyFigure) -> tuple[str, str, str]:
     scale, unit = (1e6, "µm") if figure.unit == "m" else (1.0, figure.unit)
     told = ""
     if figure.interval is not None:
-        told = f"± {_number(scale * (figure.interval[1] - figure.value))}"
+        told = f"± {number_text(scale * (figure.interval[1] - figure.value))}"
     elif figure.spread is not None:
-        told = " … ".join(_number(scale * end) for end in figure.spread)
-    return _number(scale * figure.value), unit, told
+        told = " … ".join(number_text(scale * end) for end in figure.spread)
+    return number_text(scale * figure.value), unit, told
 
 
 def _turns(result: Result) -> str:
@@ -209,7 +212,7 @@ def _turns(result: Result) -> str:
     if angle is None or not angle.shape[1]:
         return ""
     turns = abs(angle[-1, 0] - angle[0, 0]) / (2.0 * np.pi * PARTS)
-    return f", {_number(turns)} turns of sprocket 1"
+    return f", {number_text(turns)} turns of sprocket 1"
 
 
 def _energy(result: Result) -> str:
@@ -218,8 +221,8 @@ def _energy(result: Result) -> str:
         return ""
     lost = float(result.energy.dissipated[-1] - result.energy.dissipated[0])
     residual = float(result.energy.residual[-1] - result.energy.residual[0])
-    share = f", {_number(100.0 * abs(residual) / lost)} % of it" if lost > 0.0 else ""
-    told = f"{_number(lost)} J dissipated, residual {_number(residual)} J{share}"
+    share = f", {number_text(100.0 * abs(residual) / lost)} % of it" if lost > 0.0 else ""
+    told = f"{number_text(lost)} J dissipated, residual {number_text(residual)} J{share}"
     return f"<p>Energy balance: {told}.</p>"
 
 
@@ -239,10 +242,10 @@ def _safety(result: Result, breaking_load: float | None) -> str:
         ("largest force in a hinge", found.largest_force, ""),
     ):
         known = found.breaking_load is not None and load > 0.0
-        safety = _number(found.breaking_load / load) if known else "–"  # type: ignore[operator]
-        rows.append((label, _number(load), "N", safety, usual))
+        safety = number_text(found.breaking_load / load) if known else "–"  # type: ignore[operator]
+        rows.append((label, number_text(load), "N", safety, usual))
     known_load = (
-        f"Breaking load of the chain: {_number(1e-3 * found.breaking_load)} kN."
+        f"Breaking load of the chain: {number_text(1e-3 * found.breaking_load)} kN."
         if found.breaking_load is not None
         else "Breaking load of the chain: not known; pass breaking_load to report."
     )
@@ -254,12 +257,12 @@ def _pressures(found: Safety) -> str:
     allowed = (
         "outside the table"
         if found.allowed_pressure is None
-        else (f"{_number(1e-6 * found.allowed_pressure)} MPa")
+        else (f"{number_text(1e-6 * found.allowed_pressure)} MPa")
     )
     rows = [
-        ("projected, of the mean tension", _number(1e-6 * found.pressure), "MPa", allowed),
-        ("projected, of the largest force", _number(1e-6 * found.largest_pressure), "MPa", ""),
-        ("Hertz, of the largest force", _number(1e-6 * found.hertz_pressure), "MPa", ""),
+        ("projected, of the mean tension", number_text(1e-6 * found.pressure), "MPa", allowed),
+        ("projected, of the largest force", number_text(1e-6 * found.largest_pressure), "MPa", ""),
+        ("Hertz, of the largest force", number_text(1e-6 * found.hertz_pressure), "MPa", ""),
     ]
     return "<h3>Pressure in the hinges</h3>" + _table(("", "pressure", "", "guide value"), rows)
 
@@ -310,6 +313,9 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     )
 
 
-def _number(value: float) -> str:
-    """Return a number with four figures."""
-    return f"{value:.4g}".replace("-", "−")
+def number_text(value: float) -> str:
+    """Return a number with four figures, without an exponent up to ten millions."""
+    text = f"{value:.4g}"
+    if 1e4 <= abs(float(text)) < 1e7:
+        text = f"{float(text):.0f}"
+    return text.replace("-", "−")

@@ -11,7 +11,7 @@ from scipy.integrate import trapezoid
 
 import rustchain as rc
 from browser import opened, ready
-from rustchain.report import confidence, safety
+from rustchain.report import confidence, page, safety
 
 RECORD = ("hinges", "teeth", "sprockets", "bodies", "energy")
 
@@ -249,6 +249,25 @@ def test_a_page_on_a_failed_run_of_one_row_says_so_in_words(result, tmp_path):
     text = text_of(tmp_path / "failed.html")
     assert "the run failed: step size fell" in text
     assert "s in 1 row; " in text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (19033.4, "19030"),
+        (-19033.4, "−19030"),
+        (9999.6, "10000"),
+        (1.2346e9, "1.235e+09"),
+        (0.01234567, "0.01235"),
+    ],
+)
+def test_a_number_of_thousands_has_no_exponent(value, text):
+    assert page.number_text(value) == text
+
+
+def test_an_accuracy_that_tolerances_replace_is_not_told():
+    assert page.line_of(rc.Solver(rtol=1e-7)).endswith("max_order 12")
+    assert "accuracy 1e-09" in page.line_of(rc.Solver(accuracy=1e-9))
 
 
 def test_a_page_needs_nothing_else(path):
