@@ -295,7 +295,7 @@ def _clear_direction(angle: Array, force: Array) -> Array:
     """Return the direction nearest to 45 degrees with hardly a force within 30 degrees, (1,)."""
     apart = np.abs(np.angle(np.exp(1j * (angle[:, None] - angle))))
     near = np.where(apart < np.pi / 6.0, force, 0.0).max(axis=1)
-    clear = angle[near <= near.min() + 0.05 * force.max()]
+    clear: Array = angle[near <= near.min() + 0.05 * force.max()]
     from_diagonal = np.abs(np.angle(np.exp(1j * (clear - np.pi / 4.0))))
     nearest = int(from_diagonal.argmin())
     return clear[nearest : nearest + 1]
