@@ -146,6 +146,8 @@ def check(
         told = [text for text in told if text not in report.warnings]
         for text in told:
             output.say(f"warning: {text}")
+        for text in (*report.warnings, *told) if quiet and not as_json else ():
+            typer.echo(f"warning: {text}", err=True)
         scene.check_run(simulation)
         if scene.out is not None:
             _check_netcdf(scene.out)

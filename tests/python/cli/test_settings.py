@@ -398,3 +398,15 @@ def test_plot_draws_guides_and_bodies_where_there_are_some(tmp_path):
     drawn = {path.stem for path in tmp_path.glob("*.png")}
     new = {"guide_loads", "joint_loads", "motion", "paths", "spectrum", "strand_motion"}
     assert new <= drawn, done.output
+
+
+def test_a_quiet_check_prints_the_warnings_alone(tmp_path):
+    sprockets = [
+        rc.Sprocket(17, motion=rc.PrescribedSpeed(10.0)),
+        rc.Sprocket(25, (0.3, 0.0), rc.AppliedTorque(-2.0)),
+    ]
+    drive = rc.chain_drive("ISO 08B", sprockets)
+    (warning,) = drive.check().warnings
+    rc.save_scene(rc.Scene(drive), tmp_path / "slack.toml")
+    quiet = rustchain("check", tmp_path / "slack.toml", "--quiet")
+    assert (quiet.exit_code, quiet.output) == (0, f"warning: {warning}\n")
