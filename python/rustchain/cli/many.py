@@ -154,6 +154,8 @@ def study(
         for name, values in (named_value("--axis", each) for each in axes or ()):
             if name in grid:
                 misuse(f"--axis: {name!r} is there twice; give it once, with all values")
+            if not isinstance(values, list | tuple):
+                misuse(f"--axis {name}={values}: is no list; expected brackets, {name}=[{values}]")
             grid[name] = values
         _check_no_axis(settings, grid, "--axis; remove one of them")
         figures = None if given is None else measure_of(given, 0.0, Path())

@@ -385,6 +385,7 @@ def test_an_executor_that_is_none_is_told(executor, said):
          "--axis: 'rtol' is there twice"),
         (("study", "paper", "--axis", "rtol=[1e-5]", "--set", "rtol=1e-4"),
          "--set: 'rtol' is varied by --axis; remove one of them"),
+        (("study", "paper", "--axis", "pretension=0,25"), "pretension=[0,25]"),
         (("study", "paper", "--quiet"), "--quiet: leaves nothing of a study; give --out"),
         (("study", "paper", "--retry"), "--retry: runs stored cases again, and there is no store"),
         (("sweep", "sweep.toml", "--retry"), "--retry: runs stored cases again, and there is no"),
