@@ -263,13 +263,18 @@ def _chain(chain: Chain, prefix: str, of: str) -> Iterator[str]:
 
 
 def _scene(scene: Scene, *_: str) -> Iterator[str]:
-    """Tell of an accuracy of drives that does not resolve their contacts."""
+    """Tell of an accuracy of drives that does not resolve contacts, and of films without effect."""
     solver = scene.solver
     replaced = solver.rtol is not None or solver.atol is not None
     if scene.kind == "drive" and not replaced and solver.accuracy > _COARSEST:
         yield (
             f"solver.accuracy = {solver.accuracy:.4g} m: steps no longer resolve contacts of 1e-6 "
             "m; take 1e-8 or less"
+        )
+    if scene.kind == "drive" and scene.start == "static" and scene.law_of_hinges.film is not None:
+        yield (
+            "start = 'static': loaded hinges begin in dry contact, where their film has no force "
+            "until they unload; take start='generated', or give the law of hinges friction, too"
         )
 
 

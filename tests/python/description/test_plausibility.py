@@ -171,6 +171,17 @@ def test_an_accuracy_that_does_not_resolve_the_contacts_of_a_drive_is_told(hinge
     rc.Simulation(drive, solver=rc.Solver(accuracy=1e-5, rtol=1e-7, atol=1e-7))
 
 
+def test_a_film_at_a_static_start_is_told_to_have_no_force():
+    law = rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
+    with pytest.warns(rc.RustchainWarning, match="hinges begin in dry contact") as caught:
+        simulation = rc.Simulation(DRIVE, hinge_law=law, start="static")
+    assert len(caught) == 1
+    energy = simulation.run(2e-3, progress=False).energy
+    assert energy.hinge_film[-1] == 0.0
+    # The suite makes an error of any warning.
+    rc.Simulation(DRIVE, hinge_law=law)
+
+
 def told_of_speeds(drive):
     return [text for text in drive.check().warnings if " m/s" in text and "rpm" in text]
 
