@@ -11,8 +11,10 @@ const LEAST_WRAP: f64 = 120.0 - 1e-9;
 const SPEED_MISMATCH: f64 = 0.01;
 /// Least chain speed to which a difference is compared, over the largest one: at a change of direction both speeds are small.
 const LEAST_COMPARED: f64 = 0.1;
-/// Rows and ends of ramps at which prescribed speeds are compared, and quarters of periods of sines.
-const MOST_KNOTS: u32 = 10_000;
+/// Rows and ends of ramps at which prescribed speeds are compared.
+const MOST_KNOTS: usize = 10_000;
+/// Quarters of periods at which prescribed speeds by sines are compared.
+const MOST_QUARTERS: u32 = 1000;
 
 /// Return the reason why the drive's tensioner does not reach its tension, if any.
 fn tensioner_warning(drive: &Drive) -> Option<String> {
@@ -295,8 +297,9 @@ impl Layout {
         self.warnings = warnings;
     }
 
-    /// Return a warning where the prescribed speeds of two sprockets agree at the start, and not later. They are compared at rows, ends of
-    /// ramps and quarters of periods, and three times between.
+    /// Return a warning where the prescribed speeds of two sprockets agree at the start, and not later. They are compared at rows and ends
+    /// of ramps, and three times between. Speeds without these are compared at quarters of the shortest period: beside a table they are
+    /// not, which holds its last value after its last row, where a run may have ended.
     fn later_mismatch(&self, drive: &Drive, [i, k]: [usize; 2]) -> Option<String> {
         let speed = |i: usize| match &drive.sprockets[i].motion {
             SprocketMotion::PrescribedSpeed(speed) => Some(speed),
@@ -317,10 +320,12 @@ impl Layout {
         }
         let next =
             |t: &f64| Some(one.next_knot(*t).min(two.next_knot(*t))).filter(|t| t.is_finite());
-        let knots = std::iter::successors(next(&0.0), next).take(MOST_KNOTS as usize);
-        let quarter =
-            (one.longest_step_between_knots(0.0)).min(two.longest_step_between_knots(0.0));
-        let quarters = (1..=MOST_KNOTS).map(|i| f64::from(i) * quarter);
+        let knots = std::iter::successors(next(&0.0), next).take(MOST_KNOTS);
+        let quarter = match next(&0.0) {
+            None => (one.longest_step_between_knots(0.0)).min(two.longest_step_between_knots(0.0)),
+            Some(_) => f64::INFINITY,
+        };
+        let quarters = (1..=MOST_QUARTERS).map(|i| f64::from(i) * quarter);
         let ends = knots.chain(quarters.take_while(|t| t.is_finite()));
         let times = ends.scan(0.0, |before, end| {
             let since = std::mem::replace(before, end);

@@ -151,11 +151,13 @@ def study(
         run = {"duration": 0.5, **scene.run}
         run |= {} if duration is None else {"duration": duration}
         grid: dict[str, Any] = {}
-        for name, values in (named_value("--axis", each) for each in axes or ()):
+        for axis in axes or ():
+            name, values = named_value("--axis", axis)
             if name in grid:
                 misuse(f"--axis: {name!r} is there twice; give it once, with all values")
             if not isinstance(values, list | tuple):
-                misuse(f"--axis {name}={values}: is no list; expected brackets, {name}=[{values}]")
+                given = axis.partition("=")[2].strip()
+                misuse(f"--axis {axis}: is no list; expected brackets, {name}=[{given}]")
             grid[name] = values
         _check_no_axis(settings, grid, "--axis; remove one of them")
         figures = None if given is None else measure_of(given, 0.0, Path())

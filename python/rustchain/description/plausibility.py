@@ -220,9 +220,11 @@ def _seat(chain: Chain, sprocket: Sprocket, number: int) -> Iterator[str]:
     offset = float(np.interp(0.0, -penetration, offsets))  # the penetration falls outward
     if abs(offset) > _FARTHEST_SEAT * chain.pitch:
         side = "below" if offset < 0.0 else "above"
-        remedy = "draw the pieces for this tooth number"
-        if not isinstance(sprocket.profile, CustomTooth):
-            remedy = f"the chain needs a roller_diameter of {2e3 * chain.contact_radius:.4g} mm"
+        remedy = f"the chain needs a roller_diameter of {2e3 * chain.contact_radius:.4g} mm"
+        if isinstance(sprocket.profile, CustomTooth):
+            remedy = "draw the pieces for this tooth number"
+        elif getattr(sprocket.profile, "seat_radius", None):
+            remedy = "leave seat_radius out"
         yield (
             f"profile of sprocket {number}: a seated bushing stands {1e3 * abs(offset):.1f} mm "
             f"{side} the pitch circle of {sprocket.teeth} teeth; {remedy}"
@@ -271,7 +273,9 @@ def _scene(scene: Scene, *_: str) -> Iterator[str]:
             f"solver.accuracy = {solver.accuracy:.4g} m: steps no longer resolve contacts of 1e-6 "
             "m; take 1e-8 or less"
         )
-    if scene.kind == "drive" and scene.start == "static" and scene.law_of_hinges.film is not None:
+    law = scene.law_of_hinges
+    dry = law.film is not None and law.friction is None
+    if scene.kind == "drive" and scene.start == "static" and dry:
         yield (
             "start = 'static': loaded hinges begin in dry contact, where their film has no force "
             "until they unload; take start='generated', or give the law of hinges friction, too"

@@ -113,7 +113,7 @@ class LoadFigures(Figures):
             axes.fill(*outline.T, facecolor=STEEL, edgecolor=GREY, linewidth=0.7)
             most = float(found["largest"].max())
             step = round_number(most / 2.0)
-            found = found.dropna("angle")
+            found = found.dropna("angle", subset=["largest"])
             angle = found["angle"].to_numpy()
             around = np.append(angle, angle[:1])
             for name, color, width in (("largest", RED, 0.8), ("mean", BLUE, 1.4)):
@@ -125,8 +125,8 @@ class LoadFigures(Figures):
             circle = np.linspace(0.0, 2.0 * np.pi, 181)
             base = _around(circle, np.zeros(181), most)
             axes.fill(*base, facecolor=PAPER, edgecolor=GREY, linewidth=0.4, zorder=0.6)
-            label = _clear_direction(angle, found["largest"].to_numpy())
-            for level in np.arange(step, 1.001 * most, step):
+            for level in np.arange(step, 1.001 * most, step) if most > 0.0 else ():
+                label = _clear_direction(angle, found["largest"].to_numpy())
                 ring = _around(circle, np.full(181, level), most)
                 axes.plot(*ring, color=GREY, linewidth=0.4, alpha=0.7)
                 x, y = _around(label, np.full(1, level), most)[:, 0]
@@ -274,7 +274,7 @@ def _band(axes: Axes, along: str, found: xr.Dataset, of: str = "") -> None:
 
     Lines go over places without values: of a drive at rest most places have none.
     """
-    found = found[["quantiles", "mean", "largest"]].dropna(along)
+    found = found.dropna(along, subset=["largest"])
     x = found[along]
     low, high = (found["quantiles"].isel(quantile=k) for k in (0, -1))
     axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label=f"{of}5 to 95 %")

@@ -53,10 +53,10 @@ def read(path: object) -> xr.Dataset:
 
 def damaged(path: object, error: object) -> InvalidInput:
     """Return the error with the reason why a file has no complete result."""
-    if shown_path(path).endswith(".toml"):
+    if shown_path(path).lower().endswith(".toml"):
         return InvalidInput(
-            f"path = {shown_path(path)}: is a drive file; expected a result: run it first, by "
-            "rustchain run or Simulation.run"
+            f"path = {shown_path(path)}: is a TOML file; expected a result, as rustchain run and "
+            "Simulation.run write it"
         )
     return InvalidInput(
         f"path = {shown_path(path)}: is no result, or is damaged ({error}): give a file "

@@ -454,6 +454,17 @@ def test_sines_of_two_motors_that_do_not_agree_later_are_warned_of(frequency, wa
     assert ("which move the chain at different speeds" in told) is warned
 
 
+def test_a_sine_beside_the_same_speed_as_a_table_is_no_reason_for_a_warning():
+    time = np.linspace(0.0, 2.0, 2001)
+    rows = np.column_stack([time, (170.0 + 5.0 * np.sin(30.0 * time)) / 25.0])
+    sines = rc.Sines([(5.0 / 17.0, 30.0, 0.0)], offset=10.0)
+    sprockets = [
+        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(sines)),
+        rc.Sprocket(25, (0.35, 0.0), rc.PrescribedSpeed(rc.Table(rows.tolist()))),
+    ]
+    assert "speeds" not in " ".join(rc.chain_drive("ANSI 40", sprockets).check().warnings)
+
+
 def test_the_length_to_spare_of_a_worn_chain_is_that_of_its_links():
     chain = replace(rc.catalogue_chain("ANSI 40", 86), elongation=0.02)
     sprockets = [rc.Sprocket(17, (0.0, 0.0)), rc.Sprocket(25, (0.4, 0.0))]

@@ -299,11 +299,11 @@ def test_a_result_in_place_of_a_drive_is_called_so(file, tmp_path, monkeypatch, 
 def test_a_drive_file_in_place_of_a_result_is_called_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rc.save_scene(rc.Scene(rc.paper_drive()), "my.toml")
-    with pytest.raises(rc.InvalidInput, match="is a drive file; expected a result: run it first"):
+    with pytest.raises(rc.InvalidInput, match="is a TOML file; expected a result"):
         rc.load_result("my.toml")
     done = rustchain("plot", "my.toml")
     assert done.exit_code == 1
-    assert "my.toml: is a drive file; expected a result: run it first" in done.output
+    assert "my.toml: is a TOML file; expected a result, as rustchain run" in done.output
 
 
 def test_the_usage_of_plot_names_its_figures_once():

@@ -171,6 +171,12 @@ def test_an_accuracy_that_does_not_resolve_the_contacts_of_a_drive_is_told(hinge
     rc.Simulation(drive, solver=rc.Solver(accuracy=1e-5, rtol=1e-7, atol=1e-7))
 
 
+def test_a_seat_radius_for_far_larger_rollers_is_told():
+    tooth = rc.StraightTooth(0.3, seat="pitch-circle", seat_radius=0.6 * 7.9375e-3)
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, profile=tooth)
+    assert drive.check().warnings[0].endswith("17 teeth; leave seat_radius out")
+
+
 def test_a_film_at_a_static_start_is_told_to_have_no_force():
     law = rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
     with pytest.warns(rc.RustchainWarning, match="hinges begin in dry contact") as caught:
@@ -180,6 +186,7 @@ def test_a_film_at_a_static_start_is_told_to_have_no_force():
     assert energy.hinge_film[-1] == 0.0
     # The suite makes an error of any warning.
     rc.Simulation(DRIVE, hinge_law=law)
+    rc.Simulation(DRIVE, hinge_law=replace(law, friction=rc.Coulomb(0.1)), start="static")
 
 
 def told_of_speeds(drive):

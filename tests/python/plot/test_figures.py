@@ -344,6 +344,17 @@ def test_loads_of_a_drive_at_rest_are_drawn_although_most_places_have_none():
         assert all(len(curve) > 8 and np.isfinite(curve).all() for curve in curves)
 
 
+def test_loads_of_one_row_are_drawn():
+    one = RESULT.time[-1]
+    for draw in (RESULT.plot.hinge_loads, RESULT.plot.polar_tooth_loads):
+        largest = [line for line in draw(start=one).axes[0].lines if "largest" in line.get_label()]
+        assert len(largest) == 1
+        assert np.isfinite(largest[0].get_ydata()).sum() > 8
+    at_rest = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, speed=50.0, torque=-5.0)
+    result = rc.Simulation(at_rest).run(1e-3, report_step=1e-4, progress=False)
+    assert not result.plot.polar_tooth_loads(1, start=1e-3).axes[0].texts
+
+
 def test_forces_of_the_circles_of_a_polar_figure_are_written_beside_the_curve():
     hoist = rc.open_chain(
         "ANSI 40",
