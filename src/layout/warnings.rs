@@ -298,8 +298,8 @@ impl Layout {
     }
 
     /// Return a warning where the prescribed speeds of two sprockets agree at the start, and not later. They are compared at rows and ends
-    /// of ramps, and three times between. Speeds without these are compared at quarters of the shortest period: beside a table they are
-    /// not, which holds its last value after its last row, where a run may have ended.
+    /// of ramps, and three times between. Speeds without these are compared at quarters of the shortest period. Beside a
+    /// table they are not: it holds its last value after its last row, where a run may have ended.
     fn later_mismatch(&self, drive: &Drive, [i, k]: [usize; 2]) -> Option<String> {
         let speed = |i: usize| match &drive.sprockets[i].motion {
             SprocketMotion::PrescribedSpeed(speed) => Some(speed),

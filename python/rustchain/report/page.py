@@ -314,7 +314,7 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def number_text(value: float) -> str:
-    """Return a number with four figures, without an exponent up to ten millions."""
+    """Return a number with four figures; from ten thousand to ten million without an exponent."""
     text = f"{value:.4g}"
     if 1e4 <= abs(float(text)) < 1e7:
         text = f"{float(text):.0f}"

@@ -46,33 +46,24 @@ def test_an_option_that_does_not_exist_ends_the_script(script):
     assert message == f"{script}.py: error: unrecognized arguments: --tset"
 
 
-@pytest.mark.parametrize("script", ["features", "practical", "robustness"])
-def test_short_runs_are_not_written_into_the_page(script):
-    status, message = call(script, "--write", "--test")
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        ("features --write --test", "error: --write needs all"),
+        ("practical --write --test", "error: --write needs all"),
+        ("robustness --write --test", "error: --write needs all"),
+        ("practical --only nothing", "error: --only 'nothing': no such scene; one of "),
+        ("robustness --only nothing", "error: --only 'nothing': no such scene; one of "),
+        ("work_precision --only nothing", "error: --only 'nothing': no such scene; one of "),
+        ("robustness --write --accuracy 1e-9", "needs the default solver"),
+        ("robustness --accuracy -1", "Solver.accuracy"),
+        ("work_precision --redraw --only long", "--redraw runs nothing"),
+    ],
+)
+def test_options_that_exclude_each_other_end_the_script(command, told):
+    status, message = call(*command.split())
     assert status == 2
-    assert "error: --write needs all" in message
-
-
-@pytest.mark.parametrize("script", ["practical", "robustness", "work_precision"])
-def test_a_scene_that_does_not_exist_ends_the_script(script):
-    status, message = call(script, "--only", "no such")
-    assert status == 2
-    assert "error: --only 'no such': no such scene; one of " in message
-
-
-def test_robustness_is_written_with_the_default_solver_only():
-    status, message = call("robustness", "--write", "--accuracy", "1e-9")
-    assert status == 2
-    assert "needs the default solver" in message
-    status, message = call("robustness", "--accuracy", "-1")
-    assert status == 2
-    assert "Solver.accuracy" in message
-
-
-def test_nothing_runs_where_pages_are_drawn_again():
-    status, message = call("work_precision", "--redraw", "--only", "long")
-    assert status == 2
-    assert "--redraw runs nothing" in message
+    assert told in message
 
 
 def test_other_solvers_that_are_missing_are_named_with_the_remedy(monkeypatch, tmp_path):
