@@ -224,6 +224,7 @@ impl Adams {
         }
     }
 
+    #[inline(never)] // one step in many calls it
     fn compare_with_rounding(&self, controlled: usize) -> Result<(), StepFailure> {
         let (y, weights) = (&self.vectors.y, &self.norm.inverse_weight);
         let rounding = ROUNDING * self.norm_of(y);

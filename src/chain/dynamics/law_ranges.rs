@@ -19,7 +19,7 @@ impl Dynamics {
     /// Record the first joint and the first tooth contact beyond the end of their law at the end of a step.
     pub(super) fn note_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
-        if self.past_ranges.hinge.is_none() {
+        if self.joints_have_an_end() && self.past_ranges.hinge.is_none() {
             let hinges = self.kernels.hinge_depths(model);
             let rollers = self.kernels.roller_depths(model);
             self.past_ranges.hinge = self.joint_past_its_end(hinges, rollers);
@@ -39,7 +39,7 @@ impl Dynamics {
 
     /// Record the same for the last evaluation, that of a report of `request`: penetrations inside a step may exceed those at its ends.
     pub(crate) fn note_reported_ranges(&mut self, request: OutputRequest) {
-        if request.hinges && self.past_ranges.hinge.is_none() {
+        if request.hinges && self.joints_have_an_end() && self.past_ranges.hinge.is_none() {
             let (hinges, rollers) = (
                 &self.evaluated.hinges.penetration,
                 &self.evaluated.rollers.penetration,
@@ -54,30 +54,32 @@ impl Dynamics {
         }
     }
 
-    /// Return a message on the first hinge, or bushing in its roller, beyond the end of its law.
+    /// Return whether the law of hinges, or that of bushings in rollers, has an end.
+    fn joints_have_an_end(&self) -> bool {
+        let rollers = self.model.rollers.as_ref();
+        self.model.hinges.law.elastic.has_an_end()
+            || rollers.is_some_and(|rollers| rollers.law.elastic.has_an_end())
+    }
+
+    /// Return a message on the first hinge, or bushing in its roller, beyond the end of its law. A law without an end has an infinite one.
     fn joint_past_its_end(&self, hinges: &[f64], rollers: &[f64]) -> Option<String> {
         let model = &self.model;
         let law = &model.hinges.law;
-        if law.elastic.has_an_end() {
-            let pair = law.pairs.pair(0);
-            let end = pair.range_end();
-            let force = pair.force(end);
-            let end_of = |k: usize| {
-                end + model
-                    .hinges
-                    .compliance_at(k)
-                    .map_or(0.0, |given| given * force)
-            };
-            // Elastic plates in series: the total approach at the end of the law is δ_end + C f(δ_end).
-            if let Some(k) = (0..hinges.len()).find(|&k| hinges[k] > end_of(k)) {
-                let name = format!("hinge {}", k + 1);
-                return Some(past_range(law.elastic, &name, hinges[k], end_of(k)));
-            }
+        let pair = law.pairs.pair(0);
+        let end = pair.range_end();
+        let force = pair.force(end);
+        let end_of = |k: usize| {
+            end + model
+                .hinges
+                .compliance_at(k)
+                .map_or(0.0, |given| given * force)
+        };
+        // Elastic plates in series: the total approach at the end of the law is δ_end + C f(δ_end).
+        if let Some(k) = (0..hinges.len()).find(|&k| hinges[k] > end_of(k)) {
+            let name = format!("hinge {}", k + 1);
+            return Some(past_range(law.elastic, &name, hinges[k], end_of(k)));
         }
         let law = &model.rollers.as_ref()?.law;
-        if !law.elastic.has_an_end() {
-            return None;
-        }
         let end = law.pairs.pair(0).range_end();
         let k = rollers.iter().position(|&depth| depth > end)?;
         let name = format!("bushing {0} in roller {0}", k + 1);

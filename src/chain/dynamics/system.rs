@@ -104,7 +104,9 @@ impl System for Dynamics {
     }
 
     fn reach_step_end(&mut self, adams: &Adams, step: &Step, peaks: bool) {
-        self.reach_end_of_step(adams, step, peaks);
+        if self.keeps_energy || peaks {
+            self.reach_end_of_step(adams, step, peaks);
+        }
     }
 
     fn meter_step(&mut self, adams: &Adams, step: &Step) {

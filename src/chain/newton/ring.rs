@@ -278,7 +278,7 @@ impl<T: Number> Ring<T> {
     fn eliminate<S: Vectors<Number = T>>(&mut self, simd: S, irregular: &mut Mask<S>) {
         let last = self.count - 1;
         for part in parts::<S>() {
-            let places = &mut self.places[..=last];
+            let places = &mut self.places[..self.count];
             // With E the coupling of place j with the last hinge of the previous part, S and E already reduced: f_j = S⁻¹ r_j - S⁻¹
             // C_(j+1)^T f_(j+1) - S⁻¹ E f_last. Hinge j + 1 gets S_(j+1) - C_(j+1) S⁻¹ C_(j+1)^T and E' = -C_(j+1) S⁻¹ E. The last
             // hinge of the previous part loses E^T S⁻¹ E. Two loops, for S and for E: one needs more registers than AVX2 has.
@@ -367,7 +367,8 @@ impl<T: Number> Ring<T> {
 fn gather<S: Vectors>(simd: S, from: &[S::Number], entries: &[usize; WIDTH]) -> [Lanes<S>; WIDTH] {
     let mut lanes = [Lanes::splat(simd, 0.0); WIDTH];
     for lane in 0..S::LANES {
-        let row = &from[entries[lane]..entries[lane] + S::LANES];
+        // With two ranges the sum of entry and width needs no check for overflow.
+        let row = &from[entries[lane]..][..S::LANES];
         lanes[lane] = load(simd, &vectors::<S>(row, 1)[0]);
     }
     transposed(simd, lanes)

@@ -96,7 +96,7 @@ impl<T: Number> Ring<T> {
                     }
                     let columns = transposed(simd, rows);
                     for lane in 0..S::LANES {
-                        let to = &mut to[entries[lane]..entries[lane] + S::LANES];
+                        let to = &mut to[entries[lane]..][..S::LANES];
                         vectors_mut::<S>(to, 1)[0] = columns[lane].values();
                     }
                 }
