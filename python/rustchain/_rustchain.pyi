@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.description.base import Description
-from rustchain.description.drive import Chain, ChainDrive, Sprocket
+from rustchain.description.chain import Chain
+from rustchain.description.drive import ChainDrive
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw
@@ -15,6 +16,7 @@ from rustchain.description.material import Material
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
 from rustchain.description.solver import Solver
+from rustchain.description.sprocket import Sprocket
 from rustchain.errors import SimulationError
 
 __all__ = [

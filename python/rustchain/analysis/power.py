@@ -9,8 +9,8 @@ import numpy as np
 
 from rustchain.analysis.jumps import check_seated, jumps_within
 from rustchain.analysis.window import first_row, mean_over_time, rows_between
-from rustchain.description.drive import PrescribedSpeed
 from rustchain.description.ends import AnchoredEnd
+from rustchain.description.sprocket import PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.typing import Array, Number, Time
 

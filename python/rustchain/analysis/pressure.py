@@ -20,7 +20,8 @@ from rustchain.typing import Array, Count, Number, Time
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rustchain.description.drive import Chain, ChainDrive
+    from rustchain.description.chain import Chain
+    from rustchain.description.drive import ChainDrive
     from rustchain.description.material import Material
     from rustchain.results.result import Result
 

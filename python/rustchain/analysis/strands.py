@@ -17,7 +17,7 @@ from rustchain.typing import Array, Count, Number, Numbers, Time
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rustchain.description.drive import Chain
+    from rustchain.description.chain import Chain
     from rustchain.results.result import Result
 
 

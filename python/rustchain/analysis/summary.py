@@ -17,8 +17,8 @@ from rustchain.analysis.window import (
     mean_over_time,
     rows_between,
 )
-from rustchain.description.drive import Free
 from rustchain.description.ends import bushings_of, hinges_of
+from rustchain.description.sprocket import Free
 from rustchain.html import HtmlView
 from rustchain.typing import Time
 

@@ -15,9 +15,12 @@ from rustchain.catalogue.standard import (
     check_plates,
     check_rollers,
 )
-from rustchain.description.drive import Chain, ChainDrive, Hinges, Sprocket, Tensioner
+from rustchain.description.chain import Chain
+from rustchain.description.drive import ChainDrive, Hinges
 from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
+from rustchain.description.sprocket import Sprocket
+from rustchain.description.tensioner import Tensioner
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
 from rustchain.typing import Point

@@ -9,26 +9,13 @@ from typing import Literal, TypeAlias
 from rustchain import _rustchain
 from rustchain.arguments import admitted, finite_number, shown
 from rustchain.catalogue.sizes import SIZES, ChainSize, named_size, nearest_size
-from rustchain.description.drive import (
-    AnsiTooth,
-    AppliedTorque,
-    Chain,
-    ChainDrive,
-    ClearanceHinge,
-    Free,
-    Hinges,
-    IsoTooth,
-    Link,
-    Plates,
-    PrescribedSpeed,
-    Roller,
-    Seat,
-    Sprocket,
-    Tensioner,
-    ToothForm,
-)
+from rustchain.description.chain import Chain, ClearanceHinge, Link, Plates, Roller
+from rustchain.description.drive import ChainDrive, Hinges
 from rustchain.description.material import Material
 from rustchain.description.signals import Signal
+from rustchain.description.sprocket import AppliedTorque, Free, PrescribedSpeed, Sprocket
+from rustchain.description.teeth import AnsiTooth, IsoTooth, Seat, ToothForm
+from rustchain.description.tensioner import Tensioner
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
 from rustchain.typing import Counts, Point

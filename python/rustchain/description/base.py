@@ -7,21 +7,14 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import (
-    TYPE_CHECKING,
-    Any,
-    ClassVar,
-    NoReturn,
-    TypeVar,
-    get_type_hints,
-)
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeVar, get_type_hints
 
 from rustchain import _rustchain
 from rustchain.arguments import admitted, as_int, plain, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
 
-__all__ = [
+__all__ = [  # which `description` needs for type checkers, as another name of `dataclass`
     "Description",
     "Typed",
     "class_named",
@@ -29,7 +22,6 @@ __all__ = [
     "description",
     "fields_of",
     "is_default",
-    "plain",
 ]
 
 if TYPE_CHECKING:  # which read the fields of a dataclass by this name alone

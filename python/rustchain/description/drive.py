@@ -7,28 +7,11 @@ from typing import TYPE_CHECKING, Literal
 
 from rustchain.arguments import checked
 from rustchain.description.base import Description, description
-from rustchain.description.chain import Chain, ClearanceHinge, Link, Plates, Roller
+from rustchain.description.chain import Chain
 from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
-from rustchain.description.material import Material
 from rustchain.description.report import DriveReport
-from rustchain.description.sprocket import (
-    AppliedTorque,
-    Free,
-    PrescribedSpeed,
-    Side,
-    Sprocket,
-)
-from rustchain.description.teeth import (
-    AnsiTooth,
-    CustomTooth,
-    IsoTooth,
-    Seat,
-    StraightTooth,
-    ToothArc,
-    ToothForm,
-    ToothLine,
-)
+from rustchain.description.sprocket import Sprocket
 from rustchain.description.tensioner import Tensioner
 from rustchain.html import HtmlView
 from rustchain.typing import Point
@@ -36,32 +19,6 @@ from rustchain.typing import Point
 if TYPE_CHECKING:
     from rustchain.description.laws.force import ForceLaw
     from rustchain.description.mechanism.builder import Mechanism
-
-__all__ = [
-    "AnsiTooth",
-    "AppliedTorque",
-    "Chain",
-    "ChainDrive",
-    "ClearanceHinge",
-    "CustomTooth",
-    "Free",
-    "Hinges",
-    "IsoTooth",
-    "Link",
-    "Material",
-    "Plates",
-    "PrescribedSpeed",
-    "Roller",
-    "Seat",
-    "Side",
-    "Sprocket",
-    "StraightTooth",
-    "Tensioner",
-    "ToothArc",
-    "ToothForm",
-    "ToothLine",
-]
-
 
 Hinges = Literal["clearance", "ideal"]
 

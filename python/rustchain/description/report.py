@@ -8,7 +8,7 @@ from math import degrees, isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from rustchain import _rustchain
-from rustchain.description.base import plain
+from rustchain.arguments import plain
 from rustchain.description.plausibility import implausible_inputs
 from rustchain.description.sprocket import Free
 from rustchain.errors import InvalidInput

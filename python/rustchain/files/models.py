@@ -12,7 +12,8 @@ from typing import Any, Literal, NamedTuple, TypeAlias, Union, get_args, get_ori
 from rustchain.catalogue.generators import chain_drive, open_chain
 from rustchain.catalogue.standard import catalogue_chain, paper_drive, two_sprocket_drive
 from rustchain.description.base import Description
-from rustchain.description.drive import Chain, ChainDrive
+from rustchain.description.chain import Chain
+from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
 from rustchain.simulation import part_stop as part_stop  # subclasses of StopCondition

@@ -32,8 +32,6 @@ from rustchain.files.writer import NONE
 from rustchain.names import suggest
 from rustchain.paths import reason
 
-__all__ = ["Reader", "Source", "read", "value_of_text"]
-
 # Of a value that may be anything: a description is a table with its type.
 ANY = Description | Sequence[Description] | None
 

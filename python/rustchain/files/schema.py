@@ -11,7 +11,8 @@ from typing import Any, Literal, get_args, get_origin
 from rustchain.arguments import plain
 from rustchain.catalogue.standard import catalogue_chain
 from rustchain.description.base import Description
-from rustchain.description.drive import Chain, ChainDrive
+from rustchain.description.chain import Chain
+from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
 from rustchain.files.models import (

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
-from rustchain.description.drive import PrescribedSpeed
 from rustchain.description.ends import hinges_of
+from rustchain.description.sprocket import PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, RED

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, ClassVar, TypeAlias
 import numpy as np
 
 from rustchain import _rustchain
-from rustchain.arguments import finite_number, shown
-from rustchain.description.base import Description, description, plain
+from rustchain.arguments import finite_number, plain, shown
+from rustchain.description.base import Description, description
 from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.errors import InvalidInput, NoSuchPart
 from rustchain.names import suggest

@@ -14,16 +14,12 @@ import numpy as np
 from rustchain.arguments import shown
 from rustchain.catalogue.generators import chain_drive
 from rustchain.catalogue.standard import catalogue_chain, two_sprocket_drive
-from rustchain.description.drive import (
-    AppliedTorque,
-    ChainDrive,
-    Free,
-    PrescribedSpeed,
-    Tensioner,
-)
+from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene, instead_of_a_scene, scene_of
 from rustchain.description.solver import Solver
+from rustchain.description.sprocket import AppliedTorque, Free, PrescribedSpeed
+from rustchain.description.tensioner import Tensioner
 from rustchain.errors import InvalidInput
 from rustchain.sweeps.cases import Parameters
 from rustchain.sweeps.fields import (

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain.arguments import checked, shown
-from rustchain.description.drive import AppliedTorque, ChainDrive, PrescribedSpeed
+from rustchain.description.drive import ChainDrive
 from rustchain.description.scene import Scene, scene_of
+from rustchain.description.sprocket import AppliedTorque, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.results.result import Result
 from rustchain.sweeps.cases import check_burn_in

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rustchain.arguments import shown
-from rustchain.description.drive import Chain, Sprocket
+from rustchain.description.chain import Chain
 from rustchain.description.mechanism.checks import arcs, point, rows
 from rustchain.description.mechanism.parts import Contact, ContactLaw
+from rustchain.description.sprocket import Sprocket
 from rustchain.errors import InvalidInput
 from rustchain.typing import Numbers, Point, Rows
 

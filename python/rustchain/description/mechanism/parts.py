@@ -7,14 +7,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rustchain.description.base import Description, Typed, description, plain
-from rustchain.description.drive import Chain, Sprocket
+from rustchain.arguments import plain
+from rustchain.description.base import Description, Typed, description
+from rustchain.description.chain import Chain
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
 from rustchain.description.mechanism.checks import check_part_name
 from rustchain.description.signals import Curve, Signal
+from rustchain.description.sprocket import Sprocket
 from rustchain.typing import Numbers, Point, Rows
 
 LoadFunction: TypeAlias = Callable[[float, list[float], list[float]], Numbers]
