@@ -8,13 +8,7 @@ from dataclasses import replace
 
 from rustchain import _rustchain
 from rustchain.arguments import admitted, items_within, plain, shown
-from rustchain.catalogue.standard import (
-    Rollers,
-    Stretch,
-    catalogue_chain,
-    check_plates,
-    check_rollers,
-)
+from rustchain.catalogue.standard import Rollers, Stretch, chain_of
 from rustchain.description.chain import Chain
 from rustchain.description.drive import ChainDrive, Hinges
 from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
@@ -103,11 +97,7 @@ def chain_drive(
             "needs an odd one; give `links`, or a chain without Chain.offset"
         )
         raise InvalidInput(msg)
-    if isinstance(chain, str):
-        chain = catalogue_chain(chain, known, rollers=rollers, plates=plates)
-    else:
-        check_rollers(chain, rollers)
-        check_plates(chain, plates)
+    chain = chain_of(chain, known, rollers, plates)
     # Elongations of each link are for the links that are counted below.
     drive = ChainDrive(
         replace(_alike(chain) if links is None else chain, links=known),
@@ -175,12 +165,7 @@ def open_chain(
     >>> rc.open_chain("ANSI 40", ends, links=10).chain.links
     10
     """
-    if isinstance(chain, str):
-        chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)
-    else:
-        check_rollers(chain, rollers)
-        check_plates(chain, plates)
-    chain = replace(chain, links=links)
+    chain = replace(chain_of(chain, links, rollers, plates), links=links)
     return ChainDrive(chain, sprockets, tensioner, gravity, name, hinges, guides, ends)
 
 

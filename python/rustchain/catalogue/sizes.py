@@ -238,37 +238,34 @@ class ChainSize:
 
     def __str__(self) -> str:
         """Return a table of the size, with the source of each number."""
-        lines = [f"{self.name} ({self.standard}), simplex"]
+        units = {"mass_per_length": (1.0, "kg/m"), "strength": (1e-3, "kN")}
+        rows = []  # label, number, unit, source
         for each in fields(self)[2:-1]:
-            value = getattr(self, each.name)
-            if each.name == "mass_per_length":
-                shown = f"{value:10.3f} kg/m"
-            elif each.name == "strength":
-                shown = f"{1e-3 * value:10.3f} kN"
-            else:
-                shown = f"{1e3 * value:10.3f} mm"
-            label = each.name.replace("_", " ")
-            lines.append(f"  {label:<22}{shown:<17}{self.sources[each.name]}")
+            factor, unit = units.get(each.name, (1e3, "mm"))
+            value = factor * getattr(self, each.name)
+            rows.append((each.name.replace("_", " "), value, unit, self.sources[each.name]))
+        source = "derived" if self.name.startswith("ANSI") else "typical"
         for strands in (2, 3):
             if (load := self.breaking_load(strands)) is not None:
-                label, shown = f"strength, {strands} strands", f"{1e-3 * load:10.3f} kN"
-                source = "derived" if self.name.startswith("ANSI") else "typical"
-                lines.append(f"  {label:<22}{shown:<17}{source}")
-        for label, part in zip(("inner link", "outer link"), self.links(), strict=True):
-            shown = f"{1e3 * part.mass:10.3f} g, {1e6 * part.inertia:.4g}e-6 kg m^2"
-            lines.append(f"  {label:<22}{shown}  derived")
-        sections = zip(
-            ("inner plates, both", "outer plates, both"), self.plate_sections, strict=True
-        )
-        for label, section in sections:
-            shown = f"{1e6 * section:10.3f} mm^2"
-            lines.append(f"  {label:<22}{shown:<17}derived")
+                rows.append((f"strength, {strands} strands", 1e-3 * load, "kN", source))
+        inner, outer = self.links()
+        links = {"inner link": inner, "outer link": outer}
+        rows += [(label, *_mass_in_words(part), "derived") for label, part in links.items()]
+        for label, section in zip(("inner", "outer"), self.plate_sections, strict=True):
+            rows.append((f"{label} plates, both", 1e6 * section, "mm^2", "derived"))
         if self.has_rollers:
-            bore, one = f"{1e3 * self.roller_bore_diameter:10.3f} mm", self.roller()
-            lines.append(f"  {'roller bore diameter':<22}{bore:<17}derived")
-            shown = f"{1e3 * one.mass:10.3f} g, {1e6 * one.inertia:.4g}e-6 kg m^2"
-            lines.append(f"  {'roller, one':<22}{shown}  derived")
+            bore = 1e3 * self.roller_bore_diameter
+            rows.append(("roller bore diameter", bore, "mm", "derived"))
+            rows.append(("roller, one", *_mass_in_words(self.roller()), "derived"))
+        lines = [f"{self.name} ({self.standard}), simplex"]
+        for label, number, unit, source in rows:
+            lines.append(f"  {label:<22}{number:10.3f} {unit:<6}{source}")
         return "\n".join(lines)
+
+
+def _mass_in_words(part: Part) -> tuple[float, str]:
+    """Return the mass of a part [g], and as its unit what follows the number in a table."""
+    return 1e3 * part.mass, f"g, {1e6 * part.inertia:.4g}e-6 kg m^2  "
 
 
 def _sum(*parts: Part) -> Part:

@@ -167,12 +167,7 @@ def two_sprocket_drive(
         links = _rustchain.links_for(pitch, pair, center_distance)
     if center_distance is None:
         center_distance = _rustchain.closing_center_distance(pitch, pair, links)
-    if isinstance(chain, str):
-        chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)
-    else:
-        check_rollers(chain, rollers)
-        check_plates(chain, plates)
-        chain = replace(chain, links=links)
+    chain = replace(chain_of(chain, links, rollers, plates), links=links)
     if profile is None:
         # A changed chain of the catalogue has the teeth of its size: the name is kept.
         size = SIZES.get(chain.name)
@@ -271,8 +266,10 @@ def catalogue_chain(
     return _rolling(fixed, size, rollers)
 
 
-def check_rollers(chain: Chain, rollers: Rollers) -> None:
-    """Raise `InvalidInput` for what is no chain, or has no rollers to be bodies."""
+def chain_of(chain: str | Chain, links: int, rollers: Rollers, plates: Stretch) -> Chain:
+    """Return a chain of the catalogue by its name, with so many links, or a chain as it is."""
+    if isinstance(chain, str):
+        return catalogue_chain(chain, links, rollers=rollers, plates=plates)
     if not isinstance(chain, Chain):
         msg = f"chain = {shown(chain)}: must be a Chain, or the name of one in the catalogue"
         raise InvalidInput(msg)
@@ -283,10 +280,6 @@ def check_rollers(chain: Chain, rollers: Rollers) -> None:
             "or name a chain of the catalogue"
         )
         raise InvalidInput(msg)
-
-
-def check_plates(chain: Chain, plates: Stretch) -> None:
-    """Refuse elastic plates of a chain that is given as it is, with rigid ones."""
     admitted("plates", plates, Stretch)
     if plates == "elastic" and chain.link_stiffness is None:
         msg = (
@@ -294,6 +287,7 @@ def check_plates(chain: Chain, plates: Stretch) -> None:
             "link_stiffness=Plates(...)), or name a chain of the catalogue"
         )
         raise InvalidInput(msg)
+    return chain
 
 
 def _rolling(chain: Chain, size: ChainSize, rollers: Rollers) -> Chain:
