@@ -11,7 +11,6 @@ import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, TextIO
 
@@ -172,46 +171,34 @@ def named_value(option: str, text: str) -> tuple[str, Any]:
     return name, value_of_text(option, name, value.strip())
 
 
-class Law(str, Enum):
-    """The force laws by their names on the command line."""
-
-    LANKARANI_NIKRAVESH = "lankarani-nikravesh"
-    ENHANCED_CYLINDER = "enhanced-cylinder"
-    ENHANCED_CYLINDER_2015 = "enhanced-cylinder-2015"
-    JOHNSON = "johnson"
-    HERTZ = "hertz"
-    HERTZ_CYLINDER = "hertz-cylinder"
-    RADZIMOVSKY = "radzimovsky"
-    ESDU_78035 = "esdu-78035"
-    LIU_CONFORMAL = "liu-conformal"
-
-    def value_of(self) -> rc.ForceLaw:
-        """Return the law with its own default damping."""
-        laws: dict[Law, rc.ForceLaw] = {
-            Law.LANKARANI_NIKRAVESH: rc.LankaraniNikravesh(),
-            Law.ENHANCED_CYLINDER: rc.EnhancedCylinder(),
-            Law.ENHANCED_CYLINDER_2015: rc.EnhancedCylinder(coefficients="2015"),
-            Law.JOHNSON: rc.Johnson(),
-            Law.HERTZ: rc.Hertz(),
-            Law.HERTZ_CYLINDER: rc.HertzCylinder(),
-            Law.RADZIMOVSKY: rc.Radzimovsky(),
-            Law.ESDU_78035: rc.Esdu78035(),
-            Law.LIU_CONFORMAL: rc.LiuConformal(),
-        }
-        return laws[self]
+LAWS: dict[str, rc.ForceLaw] = {
+    "lankarani-nikravesh": rc.LankaraniNikravesh(),
+    "enhanced-cylinder": rc.EnhancedCylinder(),
+    "enhanced-cylinder-2015": rc.EnhancedCylinder(coefficients="2015"),
+    "johnson": rc.Johnson(),
+    "hertz": rc.Hertz(),
+    "hertz-cylinder": rc.HertzCylinder(),
+    "radzimovsky": rc.Radzimovsky(),
+    "esdu-78035": rc.Esdu78035(),
+    "liu-conformal": rc.LiuConformal(),
+}
+"""The force laws by their names on the command line, each with its own default damping."""
 
 
 def law_named(name: str) -> rc.ForceLaw:
     """Return the law of a name on the command line, or end as for a wrong command line."""
-    names = [law.value for law in Law]
-    if name not in names:
-        misuse(f"--law: {name!r} is no law; {suggest(name, names)}")
-    return Law(name).value_of()
+    if name not in LAWS:
+        misuse(f"--law: {name!r} is no law; {suggest(name, LAWS)}")
+    return LAWS[name]
 
 
-def complete_law(incomplete: str) -> list[str]:
-    """Return the laws whose names begin so, for the shell."""
-    return [law.value for law in Law if law.value.startswith(incomplete)]
+def file_to_write(out: Path | None, source: str, ending: str) -> Path:
+    """Return the file to write, by default one of the name of the source, with room for it."""
+    default = Path(f"{Path(source).stem}{ending}")
+    path = out or default
+    check_file(path, default.name)
+    make_room(path)
+    return path
 
 
 def make_room(path: Path) -> None:

@@ -11,10 +11,9 @@ from rustchain.cli.common import (
     Output,
     Quiet,
     Settings,
-    check_file,
     clear_errors,
     fail,
-    make_room,
+    file_to_write,
     scene_file,
 )
 from rustchain.extras import typer
@@ -51,9 +50,7 @@ def fmu(
     """Export a drive as an FMU for co-simulation, which runs without Python."""
     output = Output(as_json, quiet)
     with clear_errors():
-        path = out or Path(f"{Path(drive).stem}.fmu")
-        check_file(path, "drive.fmu")
-        make_room(path)
+        path = file_to_write(out, drive, ".fmu")
         rc.export_fmu(
             _system(drive, settings),
             path,

@@ -100,7 +100,8 @@ def plot(
             output.say(path)
         output.document({"figures": drawn, "left_out": left_out})
         if not drawn:
-            fail(f"{file}: has the data for no figure; record more than {_groups(file)}")
+            groups = ", ".join(result.groups) or "nothing"
+            fail(f"{file}: has the data for no figure; record more than {groups}")
 
 
 def _absent(result: rc.Result) -> set[str]:
@@ -110,11 +111,6 @@ def _absent(result: rc.Result) -> set[str]:
     drive = result.drive
     there = {"guide_loads": drive.guides, "joint_loads": drive.hinges == "ideal"}
     return {name for name, part in there.items() if not part}
-
-
-def _groups(file: Path) -> str:
-    """Return what a file has, in words."""
-    return ", ".join(rc.load_result(file).groups) or "nothing"
 
 
 def _figures(result: rc.Result, hinges: str | None) -> dict[str, Callable[[], Figure]]:

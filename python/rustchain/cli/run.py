@@ -10,15 +10,14 @@ from typing import Annotated, Any
 import rustchain as rc
 from rustchain.cli.common import (
     INTERRUPTED,
+    LAWS,
     AsJson,
     Drive,
-    Law,
     Output,
     Quiet,
     Settings,
     check_file,
     clear_errors,
-    complete_law,
     law_named,
     make_room,
     scene_file,
@@ -41,8 +40,8 @@ def run(
     law: Annotated[
         str | None,
         typer.Option(
-            help=f"Force law of every contact: {', '.join(law.value for law in Law)}.",
-            autocompletion=complete_law,
+            help=f"Force law of every contact: {', '.join(LAWS)}.",
+            autocompletion=lambda incomplete: [law for law in LAWS if law.startswith(incomplete)],
         ),
     ] = None,
     method: Annotated[

@@ -13,16 +13,15 @@ from rustchain.cli.common import (
     Output,
     Quiet,
     Settings,
-    check_file,
     clear_errors,
     fail,
-    make_room,
+    file_to_write,
     scene_file,
     with_options,
 )
 from rustchain.extras import typer
 from rustchain.results.netcdf import ENDINGS
-from rustchain.results.superblock import SIGNATURE
+from rustchain.results.superblock import is_hdf5
 from rustchain.simulation.run import GROUPS
 
 Source = Annotated[
@@ -68,9 +67,7 @@ def animate(
     """Animate a result, or a drive that is run first: real shapes, forces as arrows."""
     output = Output(as_json, quiet)
     with clear_errors():
-        path = out or Path(f"{Path(source).stem}.gif")
-        check_file(path, "run.gif")
-        make_room(path)
+        path = file_to_write(out, source, ".gif")
 
         def check(simulation: rc.Simulation, seconds: float) -> None:
             from rustchain.plot import animation
@@ -126,9 +123,7 @@ def report(
     """Report on a result, or a drive that is run first: one page with figures and a player."""
     output = Output(as_json, quiet)
     with clear_errors():
-        path = out or Path(f"{Path(source).stem}.html")
-        check_file(path, "report.html")
-        make_room(path)
+        path = file_to_write(out, source, ".html")
 
         def check(simulation: rc.Simulation, seconds: float) -> None:
             from rustchain.report.page import check_options
@@ -156,8 +151,7 @@ def _is_result(source: str) -> bool:
     path = Path(source)
     if path.suffix.lower() in (*ENDINGS, ".toml", ".json") or not path.is_file():
         return path.suffix.lower() in ENDINGS
-    with path.open("rb") as file:
-        return file.read(8) == SIGNATURE[:8]
+    return is_hdf5(path)
 
 
 def _leave(source: str, result: rc.Result) -> None:

@@ -13,7 +13,7 @@ from rustchain import _rustchain
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.paths import check_regular, path_of, reason, shown_path
-from rustchain.results.superblock import SIGNATURE
+from rustchain.results.superblock import is_hdf5
 
 Key: TypeAlias = tuple[str | int, ...]
 
@@ -22,8 +22,6 @@ DEEPEST = 32
 pieces, are eight. Readers of JSON and TOML have limits of their own, all larger."""
 # Of well-formed JSON: a text, with the colon behind a key; a bracket or comma; a number or word.
 _TOKEN = re.compile(r'(?P<text>"(?:[^"\\]|\\.)*")(?P<colon>\s*:)?|[][{},]|[^][{},:"\s]+')
-_HDF5 = SIGNATURE[:8]
-"""How files of results begin, streamed or not."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,7 @@ class Source:
             raise type(error)(msg) from error
         except ValueError as error:  # of the form, of UTF-8, or an integer of too many digits
             msg = f"{path}: is no {form} ({error}); expected a {kind} as in docs/reference/files.md"
-            if _is_result(path):
+            if is_hdf5(path):
                 msg = (
                     f"{path}: is a result file; expected a {kind}; rustchain plot and rustchain "
                     "report take results"
@@ -152,11 +150,6 @@ def text_of(path: Path) -> str:
     """Return the text of a regular file, or raise `OSError` or `UnicodeDecodeError`."""
     check_regular(path)
     return path.read_text(encoding="utf-8-sig")
-
-
-def _is_result(path: Path) -> bool:
-    with path.open("rb") as file:
-        return file.read(len(_HDF5)) == _HDF5
 
 
 def _is_deeper(content: object, levels: int) -> bool:

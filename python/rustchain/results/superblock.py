@@ -23,6 +23,12 @@ _END = 28  # place of the address of the file's end
 _WORD = 2**32 - 1
 
 
+def is_hdf5(path: Path) -> bool:
+    """Return whether a file is one of HDF5, as results are, streamed or not."""
+    with path.open("rb") as file:
+        return file.read(8) == SIGNATURE[:8]
+
+
 def end_of(start: bytes) -> int:
     """Return the length of the file that HDF5 has written [bytes]."""
     return int(struct.unpack_from("<Q", start, _END)[0])
