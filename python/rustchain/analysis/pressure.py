@@ -12,9 +12,7 @@ from rustchain.analysis.circuit import Circuit, path_length
 from rustchain.analysis.loads import checked_sprocket, forces_of, in_gaps, nearest_contact
 from rustchain.analysis.phases import checked_bins
 from rustchain.analysis.window import rows_between
-from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
-from rustchain.names import suggest
 from rustchain.typing import Array, Count, Number, Time
 
 if TYPE_CHECKING:
@@ -72,7 +70,6 @@ def contact_pressure(
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
-    check_contact(contact)
     chain = result.drive.chain
     modulus: float | Array = contact_modulus(chain)
     curvature: float | Array = hinge_curvature(chain)
@@ -227,10 +224,3 @@ def tooth_contacts(result: Result) -> tuple[Array, Array]:
         curvature[there] = of[np.minimum(np.abs(region[there] - len(of)), len(of) - 1)]
     nearest = nearest_contact(result)
     return np.take_along_axis(curvature, nearest, 0), np.take_along_axis(modulus, nearest, 0)
-
-
-def check_contact(contact: str) -> None:
-    """Raise where there is no such contact."""
-    if contact not in ("hinge", "tooth"):
-        msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('hinge', 'tooth'))}"
-        raise InvalidInput(msg)

@@ -149,10 +149,9 @@ class Reader:
         except (InvalidInput, TypeError) as error:
             raise self.source.refusal(("simulation",), str(error)) from error
 
-    def refuse(self, key: Key, message: str, *, below: bool = False) -> _Wrong:
-        """Keep what is wrong with `key`; with `below`, the message is of a field of it."""
-        error = (self.source.refusal if below else self.source.refusal_at)(key, message)
-        return self._keep(key, error)
+    def refuse(self, key: Key, message: str) -> _Wrong:
+        """Keep what is wrong with `key`."""
+        return self._keep(key, self.source.refusal_at(key, message))
 
     def _keep(self, key: Key, error: InvalidInput) -> _Wrong:
         while key and key not in self.source.places:

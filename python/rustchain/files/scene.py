@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from rustchain.arguments import admitted, shown
 from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput
+from rustchain.files.reader import read
+from rustchain.files.source import Source
 from rustchain.files.writer import text_of_scene
 from rustchain.names import known_keywords
 from rustchain.paths import path_of, write_whole
@@ -23,7 +25,6 @@ from rustchain.typing import FilePath
 if TYPE_CHECKING:
     from rustchain.description.mechanism.report import MechanismReport
     from rustchain.description.report import DriveReport
-    from rustchain.files.source import Source
 
 # Of descriptions that a whole drive is needed to refuse, by the beginning of the message.
 _TABLES = {"Tensioner": ("drive", "tensioner"), "Chain": ("drive", "chain")}
@@ -58,8 +59,6 @@ class SceneFile:
     @classmethod
     def read(cls, path: FilePath) -> SceneFile:
         """Read a file; parameters and errors are those of `load_scene`."""
-        from rustchain.files.reader import read  # with pydantic, which nothing else needs
-
         source, found = read(path_of(path))
         run = dict(found["run"])
         out = run.pop("out", None)

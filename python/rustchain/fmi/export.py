@@ -14,10 +14,10 @@ from typing import Literal
 from rustchain import _rustchain
 from rustchain.arguments import checked
 from rustchain.description.drive import ChainDrive
-from rustchain.description.scene import Scene
+from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput, MissingExtra
 from rustchain.fmi.model_description import Model, model_description
-from rustchain.fmi.variables import Input, Output, Variable, chosen_inputs, chosen_outputs
+from rustchain.fmi.variables import Input, Output, Variable, chosen, inputs_of, outputs_of
 from rustchain.paths import check_writable, path_of, shown_path, write_whole
 from rustchain.simulation.simulation import Simulation
 from rustchain.typing import FilePath
@@ -79,13 +79,13 @@ def export_fmu(
     """
     target = path_of(path)
     identifier = _identifier(target)
-    if isinstance(system, Simulation):
-        scene = system.scene
-    else:
-        scene = system if isinstance(system, Scene) else Scene(system)
+    scene = system.scene if isinstance(system, Simulation) else scene_of(system)
     if scene.kind == "mechanism":
         raise InvalidInput("system: is a mechanism; expected a drive")
-    variables = [*chosen_inputs(scene.drive, inputs), *chosen_outputs(scene.drive, outputs)]
+    variables = [
+        *chosen("inputs", inputs, inputs_of(scene.drive)),
+        *chosen("outputs", outputs, outputs_of(scene.drive)),
+    ]
     if not variables:
         raise InvalidInput("inputs, outputs: both are empty; expected at least one variable")
     library = library_path()

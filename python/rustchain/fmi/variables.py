@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from rustchain import _rustchain
@@ -75,30 +75,17 @@ def outputs_of(drive: ChainDrive) -> Iterator[Output]:
         yield Output(f"{group}.largest_force", "N", text, channel, None)
 
 
-def chosen_inputs(drive: ChainDrive, names: Sequence[str] | None) -> list[Input]:
-    """Return the inputs of these names, by default all."""
-    known = {each.name: each for each in inputs_of(drive)}
-    return [known[name] for name in _chosen("inputs", names, list(known))]
-
-
-def chosen_outputs(drive: ChainDrive, names: Sequence[str] | None) -> list[Output]:
-    """Return the outputs of these names, by default all."""
-    known = {each.name: each for each in outputs_of(drive)}
-    return [known[name] for name in _chosen("outputs", names, list(known))]
-
-
-def _chosen(field: str, names: Sequence[str] | None, known: list[str]) -> Sequence[str]:
-    """Return the names, checked; all known ones where None are given."""
+def chosen(
+    field: str, names: Sequence[str] | None, there: Iterable[Input | Output]
+) -> list[Input | Output]:
+    """Return those of the variables that have these names, by default all."""
+    known = {each.name: each for each in there}
     if names is None:
-        return known
-    if isinstance(names, str) or not isinstance(names, Sequence):
-        msg = f"{field} = {shown(names)}: must be a list of names; {suggest(names, known)}"
-        raise InvalidInput(msg)
+        return list(known.values())
     for name in names:
         if name not in known:
             msg = f"{field}: {shown(name)} is not one of this drive; {suggest(name, known)}"
             raise InvalidInput(msg)
-    if len(set(names)) < len(names):
-        twice = next(name for name in names if list(names).count(name) > 1)
-        raise InvalidInput(f"{field}: {shown(twice)} is there twice; give it once")
-    return names
+        if names.count(name) > 1:
+            raise InvalidInput(f"{field}: {shown(name)} is there twice; give it once")
+    return [known[name] for name in names]

@@ -1,4 +1,4 @@
-"""Friction laws as values, and how they join the normal force laws."""
+"""Friction laws as values."""
 
 from __future__ import annotations
 

@@ -6,11 +6,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rustchain import _rustchain
-from rustchain.arguments import admitted, shown
+from rustchain.arguments import admitted
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.mechanism.parts import SurfaceContact
-from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
     from rustchain.description.drive import ChainDrive, Hinges
@@ -24,9 +23,6 @@ def drive_mechanism(
 ) -> Mechanism:
     """Return the mechanism that `ChainDrive.to_mechanism` promises."""
     force_law = admitted("to_mechanism(force_law)", force_law, ForceLaw | None)
-    if hinges not in ("clearance", "ideal"):
-        msg = f"hinges = {shown(hinges)}: must be 'clearance' or 'ideal'"
-        raise InvalidInput(msg)
     drive = replace(drive, hinges=hinges)
     law = force_law or LankaraniNikravesh()
     dry = wet = replace(law, film=None)
