@@ -30,7 +30,6 @@ _VIEW = 8.0  # width of a view that follows a body, in sizes of a part
 _MARGIN = 0.6  # round all that moves, in sizes of a part
 _TALLEST = 1.25  # height of a frame over its width
 _HEAD, _FOOT = 44, 28  # [pixels] above and below the scene, for the scales and the time
-NAMES = {"joint": "reaction"}  # in legends; others are "tooth force" and so on
 
 
 def view_of(animation: Animation) -> tuple[Array, Array]:
@@ -142,7 +141,7 @@ class Canvas:
         length = round_number(0.15 * (high - low))
         entries: list[tuple[float, str, str | None]] = [(length, _length_text(length), None)]
         for group, _ in self.arrows if self.arrow > 0.0 else ():
-            text = f"{NAMES.get(group.kind, f'{group.kind} force')} {self.force_shown:g} N"
+            text = f"{group.label} {self.force_shown:g} N"
             color = FORCE_COLORS[_THEME][group.kind]
             entries.append((self.arrow * self.force_shown, text, color))
         x = width - 14.0

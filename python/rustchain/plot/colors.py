@@ -52,6 +52,11 @@ IN_DARK = {
 """What stands for each colour on a dark ground; others stay as they are."""
 
 
+def color_of(k: int) -> str:
+    """Return the colour of a curve by its place, from 0; after the last one comes the first."""
+    return CYCLE[k % len(CYCLE)]
+
+
 def in_theme(color: str, theme: Theme) -> str:
     """Return a colour as a theme has it."""
     return IN_DARK.get(color, color) if theme == "dark" else color

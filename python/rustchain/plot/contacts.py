@@ -15,7 +15,6 @@ from rustchain import _rustchain
 from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.arguments import admitted, shown
 from rustchain.errors import InvalidInput
-from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
 from rustchain.plot.mechanism import force_penetration_figure
 from rustchain.plot.style import Ax, Figures, legend_of_distinct, legend_outside, panels, styled
@@ -122,9 +121,6 @@ class ContactFigures(Figures):
         rows = rows_between(self.result, start, end)
         if self.result.scene.kind == "mechanism":
             return force_penetration_figure(self.result, numbers, rows, ax)
-        if contact not in ("tooth", "hinge"):
-            msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('tooth', 'hinge'))}"
-            raise InvalidInput(msg)
         if contact == "hinge":
             self._check_clearance()
         numbers = numbers or self._most_loaded(contact, rows)
@@ -187,11 +183,6 @@ class ContactFigures(Figures):
             return None
         arrays = {name: self.result.array(name)[rows] for name in names}
         return from_first_row(arrays, rows)[names[1]]
-
-    def _wheel_name(self, sprocket: int) -> str:
-        """Return the name of a sprocket or guide by its number, in which guides follow."""
-        toothed = len(self.result.drive.sprockets)
-        return f"sprocket {sprocket}" if sprocket <= toothed else f"guide {sprocket - toothed}"
 
     def _check_clearance(self) -> None:
         """Refuse a drive whose hinges are ideal."""

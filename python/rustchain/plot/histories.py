@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from rustchain.analysis.window import rows_between
-from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
+from rustchain.plot.colors import BLUE, GREEN, GREY, ORANGE, RED, color_of
 from rustchain.plot.style import Ax, Figures, legend_above, panels, styled, subplots
 from rustchain.results.views import Energy
 from rustchain.typing import Array, Time
@@ -20,8 +20,8 @@ class HistoryFigures(Figures):
         rows = rows_between(self.result, start, end)
         figure, (axes,) = panels(1, "time [s]", "strand tension [N]", size=(7.0, 2.8), ax=ax)
         for k, name in enumerate(self.result.strand_names):
-            strand, color = self.result.strand(name), CYCLE[k % len(CYCLE)]
-            axes.plot(strand.time[rows], strand.tension[rows], color=color, label=f"strand {name}")
+            tension = self.result.strand(name).tension[rows]
+            axes.plot(self.result.time[rows], tension, color=color_of(k), label=f"strand {name}")
         tensioner = self.result.drive.tensioner
         if tensioner is not None:
             axes.axhline(tensioner.pretension, color=GREY, linestyle="--", label="pretension")

@@ -12,7 +12,7 @@ from rustchain.description.ends import hinges_of
 from rustchain.description.sprocket import PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.plot.colors import BLUE, CYCLE, RED
+from rustchain.plot.colors import BLUE, RED, color_of
 from rustchain.plot.mechanism import joint_loads_figure
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
@@ -53,10 +53,10 @@ class JointFigures(Figures):
             cells[0, 0].plot(time, force.mean(axis=1), color=BLUE, label="mean of all hinges")
         for k, name in enumerate(hinges):
             force = self.result.hinge(_number(name)).force[rows]
-            cells[0, 0].plot(time, force, color=CYCLE[k % len(CYCLE)], label=name)
+            cells[0, 0].plot(time, force, color=color_of(k), label=name)
         for k, name in enumerate(motors):
             torque = self.result.sprocket(_number(name)).torque[rows]
-            cells[-1, 0].plot(time, torque, color=CYCLE[k % len(CYCLE)], label=name)
+            cells[-1, 0].plot(time, torque, color=color_of(k), label=name)
         for axes, label in zip(cells[:, 0], shown, strict=True):
             axes.set_ylabel(label)
             legend_above(axes)

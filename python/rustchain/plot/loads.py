@@ -13,7 +13,7 @@ from rustchain.analysis.circuit import Circuit
 from rustchain.analysis.window import rows_between
 from rustchain.errors import InvalidInput
 from rustchain.plot.between_rows import round_number
-from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
+from rustchain.plot.colors import BLUE, GREY, ORANGE, PAPER, RED, STEEL, color_of
 from rustchain.plot.finish import is_empty, note
 from rustchain.plot.style import (
     Ax,
@@ -246,12 +246,10 @@ class LoadFigures(Figures):
         figure, axes = subplots(2, 1, sharex=True, ax=ax, figsize=(7.0, 3.8))
         for number in sorted(found["sprocket"].unique().tolist()):
             rows = found[found["sprocket"] == number]
-            color = CYCLE[(number - 1) % len(CYCLE)]
-            toothed = len(self.result.drive.sprockets)
-            name = f"sprocket {number}" if number <= toothed else f"guide {number - toothed}"
+            color = color_of(number - 1)
             for cell, values in zip(axes, (rows["force"], 1e3 * rows["impulse"]), strict=True):
                 cell.plot(rows["time"], values, "o", markersize=2.5, color=color)
-            axes[0].plot([], [], "o", markersize=4.0, color=color, label=name)
+            axes[0].plot([], [], "o", markersize=4.0, color=color, label=self._wheel_name(number))
         axes[0].set(ylabel="impact force [N]", ylim=(0.0, None))
         axes[1].set(ylabel="impulse [N ms]", xlabel="time [s]", ylim=(0.0, None))
         figure.align_ylabels()

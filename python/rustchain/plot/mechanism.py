@@ -13,7 +13,7 @@ from rustchain.analysis.window import from_first_row, rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.plot.colors import BLUE, CYCLE, ORANGE, RED
+from rustchain.plot.colors import BLUE, ORANGE, RED, color_of
 from rustchain.plot.finish import as_written
 from rustchain.plot.style import (
     Ax,
@@ -58,9 +58,6 @@ class MechanismFigures(Figures):
 
         Without a name, all bodies of a mechanism are drawn; of a drive, the sprockets and "link_1".
         """
-        if quantity not in _RATES:
-            msg = f"quantity = {shown(quantity)}: is none; {suggest(quantity, _RATES)}"
-            raise InvalidInput(msg)
         names = _bodies(self.result, bodies)
         rows = rows_between(self.result, start, end)
         figure, cells = subplots(3, 1, sharex=True, ax=ax, figsize=(7.0, 5.2))
@@ -70,7 +67,7 @@ class MechanismFigures(Figures):
             view = self.result.body(name)
             values = getattr(view, quantity)[rows]
             for axes, column in zip(cells, values.T, strict=True):
-                axes.plot(view.time[rows], column, color=_color(k), label=as_written(name))
+                axes.plot(view.time[rows], column, color=color_of(k), label=as_written(name))
         for axes, label in zip(cells, labels, strict=True):
             axes.set_ylabel(label if quantity == "position" else f"{quantity}, {label}")
         cells[-1].set_xlabel("time [s]")
@@ -91,8 +88,8 @@ class MechanismFigures(Figures):
         figure, axes = subplots(ax=ax, figsize=(5.4, 4.6))
         for k, name in enumerate(names):
             way = self.result.body(name).position[rows, :2]
-            axes.plot(*way.T, color=_color(k), label=as_written(name))
-            axes.plot(*way[-1], "o", markersize=3.5, color=_color(k))
+            axes.plot(*way.T, color=color_of(k), label=as_written(name))
+            axes.plot(*way[-1], "o", markersize=3.5, color=color_of(k))
         limit_ticks(axes)
         axes.set(xlabel="x [m]", ylabel="y [m]")
         axes.set_aspect("equal", adjustable="datalim")
@@ -146,8 +143,8 @@ def joint_loads_figure(
     for k, name in enumerate(names):
         view = result.joint(name)
         force = np.hypot(*view.force[rows].T)
-        upper.plot(view.time[rows], force, color=_color(k), label=as_written(name))
-        lower.plot(view.time[rows], view.torque[rows], color=_color(k))
+        upper.plot(view.time[rows], force, color=color_of(k), label=as_written(name))
+        lower.plot(view.time[rows], view.torque[rows], color=color_of(k))
     upper.set_ylabel("force [N]")
     lower.set_ylabel("torque [N m]")
     lower.set_xlabel("time [s]")
@@ -199,10 +196,6 @@ def _bodies(result: Result, given: tuple[object, ...]) -> tuple[str, ...]:
     if result.scene.kind != "mechanism":
         default = ("link_1", *(f"sprocket_{k + 1}" for k in range(len(result.drive.sprockets))))
     return names_of(result, "body", given, default)
-
-
-def _color(k: int) -> str:
-    return CYCLE[k % len(CYCLE)]
 
 
 def _legend(axes: Axes, ax: Ax) -> None:

@@ -14,7 +14,7 @@ from rustchain.description.ends import bushings_of, hinges_of
 from rustchain.errors import InvalidInput, NoSuchPart
 from rustchain.names import suggest
 from rustchain.parts import place_of, position_of
-from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
+from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED, color_of
 from rustchain.plot.finish import note
 from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Count, Number, Time
@@ -77,8 +77,8 @@ class MotionFigures(Figures):
         for axes, name in zip(cells[:, 0], names, strict=True):
             motion = self.result.strand_motion(name, start=start, end=end)
             for k, station in enumerate(motion["station"].to_numpy()):
-                color = CYCLE[k % len(CYCLE)]
-                axes.plot(motion["time"], 1e3 * motion[:, k], color=color, label=f"at {station:g}")
+                label = f"at {station:g}"
+                axes.plot(motion["time"], 1e3 * motion[:, k], color=color_of(k), label=label)
             axes.set(ylabel=f"strand {motion.attrs['strand']}, outward [mm]")
         legend_above(cells[0, 0])
         cells[-1, 0].set(xlabel="time [s]")
@@ -99,12 +99,8 @@ class MotionFigures(Figures):
         found = self.result.strand_spectrum(strand, segment=segment, modes=5, start=start, end=end)
         figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 2.9))
         for k, station in enumerate(motion["station"].to_numpy()):
-            left.plot(
-                motion["time"],
-                1e3 * motion[:, k],
-                color=CYCLE[k],
-                label=f"at {station:g}",
-            )
+            at = f"at {station:g}"
+            left.plot(motion["time"], 1e3 * motion[:, k], color=CYCLE[k], label=at)
             right.plot(found["frequency"], found["density"][k], color=CYCLE[k])
         left.set(xlabel="time [s]", ylabel=f"strand {motion.attrs['strand']}, outward [mm]")
         legend_above(left)
@@ -180,24 +176,18 @@ class MotionFigures(Figures):
     def power_balance(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw mean powers: shafts; below, on a scale of their own, what is lost and stored."""
         found = self.result.power_balance(start=start, end=end)
-        shafts = [
-            (f"sprocket {number}", float(power), BLUE)
-            for number, power in zip(
-                found["sprocket"].to_numpy(), found["shaft_power"].to_numpy(), strict=True
-            )
-        ]
+        powers = enumerate(found["shaft_power"].to_numpy().tolist(), 1)
+        shafts = [(f"sprocket {number}", power, BLUE) for number, power in powers]
+        losses = zip(found["channel"].to_numpy(), found["loss"].to_numpy().tolist(), strict=True)
         small = [
-            *(
-                (f"lost: {name}".replace("_", " "), -float(power), RED)
-                for name, power in zip(
-                    found["channel"].to_numpy(), found["loss"].to_numpy(), strict=True
-                )
-                if name != "dashpots" or power
-            ),
-            *([("other work", other, GREY)] if (other := float(found["other_work"])) else []),
-            ("stored", -float(found["stored"].sum()), GREEN),
-            ("residual", float(found["residual"]), GREY),
+            (f"lost: {name}".replace("_", " "), -power, RED)
+            for name, power in losses
+            if name != "dashpots" or power
         ]
+        if other := float(found["other_work"]):
+            small.append(("other work", other, GREY))
+        small.append(("stored", -float(found["stored"].sum()), GREEN))
+        small.append(("residual", float(found["residual"]), GREY))
         parts = [bars for bars in (shafts, small) if bars]  # an open chain may have no sprocket
         counts = [len(bars) for bars in parts]
         figure, panels = subplots(

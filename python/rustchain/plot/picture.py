@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,9 +23,6 @@ from rustchain.plot.shapes import Shapes, force_points, outlines_at
 from rustchain.plot.style import Ax, Figures, styled, subplots
 from rustchain.typing import Array, Time
 
-if TYPE_CHECKING:
-    from rustchain.results.result import Result
-
 _NUMBERS_APART = 0.15  # [inches] from their hinges
 _NUMBER = np.array([0.12, 0.07])  # [inches] half of a number of three figures
 _BETWEEN = 0.3  # [inches] from number to number along a chain, at least
@@ -46,37 +41,7 @@ class DrivePicture(Figures):
         Without bodies recorded, the start or the end is drawn, whichever is nearer, with a warning
         if it is not the requested time.
         """
-        time, positions = self._snapshot(time)
-        drive, chain = self.result.drive, self.result.drive.chain
-        shapes = shapes_of_drive(drive)
-        figure, axes = subplots(ax=ax)
-        covered = _draw_outlines(axes, shapes, positions)
-        room = _ROOM if ax is None else np.array(axes.bbox.size) / axes.figure.dpi
-        low, high, scale = _limits(shapes, positions, room)
-        apart = max(_NUMBERS_APART / scale, chain.pitch)
-        fives = max(1, chain.links // 200, math.ceil(_BETWEEN / (5.0 * chain.pitch * scale)))
-        hinges = force_points(shapes.forces[0], positions)
-        if drive.ends is not None:  # the one between both ends is none
-            hinges = np.delete(hinges, chain.links, axis=0)
-        first = len(positions) - len(drive.sprockets) - len(drive.guides)
-        wheels = positions[first : len(positions) - len(drive.guides)]
-        # The last ones of a closed chain would stand in the way of the first.
-        last = chain.links + (1 if drive.ends is not None else -1)
-        for number in (1, *range(6, last, 5 * fives)):
-            here = hinges[number - 1]
-            if len(wheels) == 2 and drive.ends is None:
-                aside = _outward(here, wheels[:, :2])
-            else:  # to the right of the chain, which runs counterclockwise
-                along = hinges[number % len(hinges)] - hinges[number - 2]
-                aside = np.array([along[1], -along[0]]) / np.hypot(*along)
-            x, y = _clear_place(here, apart * aside, covered, hinges)
-            axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
-
-        if ax is None:
-            _fit(figure, (high - low) * scale)
-        axes.set(title=f"t = {time:.4g} s")
-        _label(axes, low, high)
-        return figure
+        return _figure_of_drive(self.result.drive, *self._snapshot(time), ax)
 
     def _snapshot(self, time: Time) -> tuple[float, Array]:
         """Return the recorded time nearest to `time` and the positions then."""
@@ -104,6 +69,46 @@ class DrivePicture(Figures):
             )
             warn_caller(msg)
         return found, positions
+
+
+@styled
+def draw_drive(drive: ChainDrive, positions: Array, *, ax: Ax = None) -> Figure:
+    """Draw a drive at its start, with its bodies at `positions`, (bodies, 3) [m, m, rad]."""
+    return _figure_of_drive(drive, 0.0, positions, ax)
+
+
+def _figure_of_drive(drive: ChainDrive, time: float, positions: Array, ax: Ax) -> Figure:
+    """Return the picture of a drive at a time [s], with its bodies at `positions`."""
+    chain = drive.chain
+    shapes = shapes_of_drive(drive)
+    figure, axes = subplots(ax=ax)
+    covered = _draw_outlines(axes, shapes, positions)
+    room = _ROOM if ax is None else np.array(axes.bbox.size) / axes.figure.dpi
+    low, high, scale = _limits(shapes, positions, room)
+    apart = max(_NUMBERS_APART / scale, chain.pitch)
+    fives = max(1, chain.links // 200, math.ceil(_BETWEEN / (5.0 * chain.pitch * scale)))
+    hinges = force_points(shapes.forces[0], positions)
+    if drive.ends is not None:  # the one between both ends is none
+        hinges = np.delete(hinges, chain.links, axis=0)
+    first = len(positions) - len(drive.sprockets) - len(drive.guides)
+    wheels = positions[first : len(positions) - len(drive.guides)]
+    # The last ones of a closed chain would stand in the way of the first.
+    last = chain.links + (1 if drive.ends is not None else -1)
+    for number in (1, *range(6, last, 5 * fives)):
+        here = hinges[number - 1]
+        if len(wheels) == 2 and drive.ends is None:
+            aside = _outward(here, wheels[:, :2])
+        else:  # to the right of the chain, which runs counterclockwise
+            along = hinges[number % len(hinges)] - hinges[number - 2]
+            aside = np.array([along[1], -along[0]]) / np.hypot(*along)
+        x, y = _clear_place(here, apart * aside, covered, hinges)
+        axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
+
+    if ax is None:
+        _fit(figure, (high - low) * scale)
+    axes.set(title=f"t = {time:.4g} s")
+    _label(axes, low, high)
+    return figure
 
 
 def draw_mechanism(mechanism: Mechanism, positions: Array) -> Figure:
@@ -160,18 +165,6 @@ def _label(axes: Axes, low: Array, high: Array) -> None:
     axes.grid(visible=False)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
-
-
-def draw_drive(drive: ChainDrive, positions: Array, *, ax: Ax = None) -> Figure:
-    """Draw a drive with its bodies at `positions`, (bodies, 3) [m, m, rad]."""
-    start = SimpleNamespace(
-        drive=drive,
-        time=np.zeros(1),
-        arrays={},
-        initial_positions=positions,
-        final_positions=positions,
-    )
-    return DrivePicture(cast("Result", start)).drive(ax=ax)
 
 
 def _outward(point: Array, centers: Array) -> Array:

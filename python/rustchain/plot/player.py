@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rustchain.plot.between_rows import large_force
-from rustchain.plot.canvas import NAMES, THICKNESS, arrow_scale, view_of
+from rustchain.plot.canvas import THICKNESS, arrow_scale, view_of
 from rustchain.plot.colors import theme_css
 from rustchain.plot.looks import FORCE_COLORS, LOOKS
 from rustchain.plot.shapes import Bar, Forces, Shape
@@ -127,14 +127,13 @@ def _shape(shape: Shape | Bar) -> dict[str, Any]:
 def _forces(result: Result, group: Forces, rows: slice, large: float) -> dict[str, Any]:
     vectors = result.array(group.array)[rows][..., :2]
     given = {"contact": result.contact_names, "joint": result.joint_names}
-    label = NAMES.get(group.kind, f"{group.kind} force")
     names: Sequence[str] = given.get(group.kind) or [
-        f"{'bushing' if group.kind == 'tooth' else 'hinge'} {k}, {label}"
+        f"{'bushing' if group.kind == 'tooth' else 'hinge'} {k}, {group.label}"
         for k in range(1, len(group.bodies) + 1)
     ]
     return {
         "kind": group.kind,
-        "label": label,
+        "label": group.label,
         "names": list(names),
         "bodies": group.bodies,
         "points": np.round(group.points, 8).tolist(),

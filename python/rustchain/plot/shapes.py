@@ -91,7 +91,7 @@ class Forces:
     Attributes
     ----------
     kind : str
-        "hinge", "tooth", "roller", "contact" or "joint".
+        "hinge", "tooth", "contact" or "joint".
     array : str
         Name of the recorded array, (times, forces, 2 or 3).
     bodies : tuple of int
@@ -104,6 +104,11 @@ class Forces:
     array: str
     bodies: tuple[int, ...]
     points: Array
+
+    @property
+    def label(self) -> str:
+        """Name of the forces in legends."""
+        return "reaction" if self.kind == "joint" else f"{self.kind} force"
 
 
 @dataclass(frozen=True)
@@ -136,10 +141,8 @@ class Shapes:
         for one in poses.reshape(-1, *poses.shape[-2:]):
             for shape in self.outlines:
                 points = outlines_at(shape, one).reshape(-1, 2)
-                low, high = (
-                    np.minimum(low, points.min(axis=0)),
-                    np.maximum(high, points.max(axis=0)),
-                )
+                low = np.minimum(low, points.min(axis=0))
+                high = np.maximum(high, points.max(axis=0))
         return low, high
 
 

@@ -100,7 +100,7 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
     for axes, name in zip(cells, names, strict=True):
         values = measured[name]
         others = [str(dim) for dim in values.dims if dim != over]
-        lines = values.stack(_other=others) if others else values.expand_dims(_other=[""])
+        lines = _lines(values, others)
         x = _places(axes, values[over].to_numpy())
         looks = _line_styles(lines["_other"].to_numpy() if others else None)
         for k, (color, label) in enumerate(looks):
@@ -136,8 +136,7 @@ def _over_axis(axes: Axes, values: xr.DataArray, found: xr.DataArray, over: str)
     """
     x = _places(axes, found[over].to_numpy())
     others = [str(dim) for dim in found.dims if dim not in (over, "statistic")]
-    rows = found.stack(_other=others) if others else found.expand_dims(_other=[""])
-    every = values.stack(_other=others) if others else values.expand_dims(_other=[""])
+    rows, every = _lines(found, others), _lines(values, others)
     for k, (color, label) in enumerate(_line_styles(rows["_other"].to_numpy() if others else None)):
         line = rows.isel(_other=k).transpose(over, "statistic")
         mean, low, high = (line.sel(statistic=end).to_numpy() for end in ("mean", "low", "high"))
@@ -148,6 +147,11 @@ def _over_axis(axes: Axes, values: xr.DataArray, found: xr.DataArray, over: str)
             x, mean, errors, capsize=3.0, marker="o", markersize=4.0, color=color, label=label
         )
     return ", ".join(map(_named, others))
+
+
+def _lines(values: xr.DataArray, others: Sequence[str]) -> xr.DataArray:
+    """Return values with the other dimensions as one, which has each line."""
+    return values.stack(_other=others) if others else values.expand_dims(_other=[""])
 
 
 def _places(axes: Axes, values: Any) -> Array:  # noqa: ANN401

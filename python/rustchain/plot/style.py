@@ -132,6 +132,11 @@ class Figures:
 
     result: Result
 
+    def _wheel_name(self, number: int) -> str:
+        """Return the name of a sprocket or guide by its number, in which guides follow."""
+        toothed = len(self.result.drive.sprockets)
+        return f"sprocket {number}" if number <= toothed else f"guide {number - toothed}"
+
 
 def subplots(
     rows: int = 1,
