@@ -111,6 +111,7 @@ def _figure_of_drive(drive: ChainDrive, time: float, positions: Array, ax: Ax) -
     return figure
 
 
+@styled
 def draw_mechanism(mechanism: Mechanism, positions: Array) -> Figure:
     """Draw a mechanism with its bodies at `positions`, (bodies, 3) [m, m, rad]."""
     shapes = shapes_of_mechanism(mechanism)

@@ -11,6 +11,7 @@ from PIL import Image
 
 import rustchain as rc
 from rustchain.plot import colors, use_theme
+from rustchain.plot.picture import draw_mechanism
 
 # Machado, Oliveira and Fernandes (2009), severity 1; linear sRGB.
 SIGHT = {
@@ -103,6 +104,16 @@ def test_a_dark_figure_is_dark_with_bright_text(draw):
     assert np.median(image) < 60
     for text in (text for axes in figure.axes for text in axes.texts):
         assert contrast(text.get_color(), "#14181d") > 3.0
+
+
+@pytest.mark.usefixtures("_dark")
+def test_the_picture_of_a_mechanism_has_the_theme_and_the_style_of_all_figures():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("bar", mass=1.0, inertia=0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "bar", at=(0.0, 0.0))
+    figure = draw_mechanism(mechanism, np.array([[0.5, 0.0, 0.0]]))
+    assert np.allclose(figure.get_facecolor()[:3], to_rgb("#14181d"))
+    assert figure.dpi == RESULT.plot.drive().dpi
 
 
 @pytest.mark.usefixtures("_dark")
