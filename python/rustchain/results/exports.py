@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, cast
 
 from rustchain.results import tables
-from rustchain.results.channels import VARIABLES
 from rustchain.typing import FilePath, Time
 
 if TYPE_CHECKING:
@@ -139,7 +138,7 @@ class Exports:
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a row for each time and a column for each number: ``hinge_force_vector_6_x``."""
-        return tables.table_of(self.to_xarray(), VARIABLES)
+        return tables.table_of(self.to_xarray())
 
     def save(self, path: FilePath) -> None:
         """Write everything to a netCDF file, for `load_result`.

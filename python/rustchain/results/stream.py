@@ -25,7 +25,6 @@ import numpy.typing as npt
 from rustchain import extras
 from rustchain.paths import check_writable, new_file, shown_path, unwritable
 from rustchain.results import tables
-from rustchain.results.channels import VARIABLES
 from rustchain.results.netcdf import add_variable, result_path
 from rustchain.results.stored import END, HEADER, IDENTITY, checksum_of, header_of
 from rustchain.results.superblock import SIZE, end_of
@@ -181,7 +180,7 @@ class Stream:
         """Write all that is known before the first row."""
         result = self._result
         channels = {n: a for n, a in result.arrays.items() if 0 not in a.shape[1:]}
-        series = tables.variables_of(channels, VARIABLES)
+        series = tables.variables_of(channels)
         series = {"time": (("time",), result.time, tables.TIME_ATTRIBUTES)} | series
         if result.jumps is not None:
             series |= tables.jumps_of(result.jumps)
@@ -231,7 +230,7 @@ class Stream:
                 jumps = tuple(part[self._jumps() :] for part in jumps)  # type: ignore[assignment]
             size = sum(array.nbytes for array in rows.values()) // max(count, 1)
             self._reserve(size * (count + self._chunk))
-            series = tables.variables_of(rows, VARIABLES)
+            series = tables.variables_of(rows)
             series |= {} if jumps is None else tables.jumps_of(jumps)
             series["time"] = (("time",), rows["time"], {})  # last: it says how many rows there are
             for name, (_, values, _) in series.items():

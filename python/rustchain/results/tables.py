@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain._rustchain import instruction_set
-from rustchain.results.channels import PARTS, VARIABLES, Variable
+from rustchain.results.channels import PARTS, VARIABLES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,8 +31,10 @@ ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_vel
 
 def dataset_of(result: Result) -> xr.Dataset:
     """Return everything in a result, the scene in the attributes."""
+    from rustchain.extras import xarray as xr
+
     there = {name: array for name, array in result.arrays.items() if array.size}
-    variables = variables_of(there, VARIABLES) | ends_of(result, ("initial", "final"))
+    variables = variables_of(there) | ends_of(result, ("initial", "final"))
     attributes: dict[str, Any] = {
         "status": result.status,
         "message": result.message,
@@ -42,8 +44,10 @@ def dataset_of(result: Result) -> xr.Dataset:
         attributes["tooth_jumps"] = len(result.jumps[0])
         if len(result.jumps[0]):  # files have no empty variables
             variables |= jumps_of(result.jumps)
-    coordinates = {"time": ("time", result.time, TIME_ATTRIBUTES)} | coordinates_of(result)
-    return dataset(variables, coordinates, attributes_of(result) | attributes)
+    used = {dim for dims, *_ in variables.values() for dim in dims}
+    coordinates = {"time": ("time", result.time, TIME_ATTRIBUTES)}
+    coordinates |= {n: values for n, values in coordinates_of(result).items() if n in used}
+    return xr.Dataset(variables, coordinates, attributes_of(result) | attributes)
 
 
 def coordinates_of(result: Result) -> dict[str, Any]:
@@ -99,13 +103,11 @@ def jumps_of(jumps: Jumps) -> dict[str, Any]:
     return {name: (("jump",), values, {"units": units}) for name, values, units in columns}
 
 
-def variables_of(
-    arrays: Mapping[str, npt.NDArray[Any]], known: Mapping[str, Variable]
-) -> dict[str, Any]:
-    """Return the arrays with their dimensions and attributes, those that are there."""
+def variables_of(arrays: Mapping[str, npt.NDArray[Any]]) -> dict[str, Any]:
+    """Return recorded arrays with their dimensions and attributes."""
     found = {}
-    for name in filter(arrays.__contains__, known):
-        for part, v, place in known[name].parts(name):
+    for name in filter(arrays.__contains__, VARIABLES):
+        for part, v, place in VARIABLES[name].parts(name):
             attributes = {"units": v.units, "long_name": v.long_name}
             values = arrays[name] if part == name else arrays[name][..., place]
             found[part] = (("time", *v.dims), values, attributes)
@@ -129,31 +131,17 @@ def array_of(
     return parts[0] if len(parts) == 1 else np.concatenate([parts[0], parts[1][..., None]], -1)
 
 
-def dataset(
-    variables: dict[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
-) -> xr.Dataset:
-    """Return a dataset with the coordinates that its variables have."""
-    from rustchain.extras import xarray as xr
-
-    used = {"time"}.union(*(dims for dims, *_ in variables.values()))
-    return xr.Dataset(
-        variables,
-        {name: values for name, values in coordinates.items() if name in used},
-        attributes,
-    )
-
-
-def table_of(dataset: xr.Dataset, known: Mapping[str, Variable]) -> pd.DataFrame:
-    """Return a row for each time and a column for each number of the known variables."""
+def table_of(dataset: xr.Dataset) -> pd.DataFrame:
+    """Return a row for each time and a column for each number that was recorded."""
     from rustchain.extras import pandas as pd
 
     time = dataset["time"].values
     columns: dict[str, npt.NDArray[Any]] = {}
-    parts = [(part, v.dims) for name in known for part, v, _ in known[name].parts(name)]
-    for name, dims in parts:
+    parts = (part for name, each in VARIABLES.items() for part in each.parts(name))
+    for name, variable, _ in parts:
         if name not in dataset:
             continue
-        labels = product([name], *(dataset[d].values for d in dims))
+        labels = product([name], *(dataset[d].values for d in variable.dims))
         series = dataset[name].values.reshape(len(time), -1).T
         columns |= {
             "_".join(map(str, label)): one for label, one in zip(labels, series, strict=True)

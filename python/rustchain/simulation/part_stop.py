@@ -10,7 +10,7 @@ from rustchain.arguments import admitted, shown
 from rustchain.description.base import description
 from rustchain.errors import InvalidInput, NoSuchPart
 from rustchain.names import suggest
-from rustchain.simulation.stop import Look, StopCondition
+from rustchain.simulation.stop import Look, StopCondition, force_above
 
 if TYPE_CHECKING:
     from rustchain.simulation.simulation import Simulation
@@ -41,21 +41,10 @@ class _PartForceAbove(StopCondition):
         if wanted is not None and wanted not in names:
             expected = f"is no {self.part}; {suggest(wanted, names)}"
             raise self._refusal(self.part, wanted, expected, NoSuchPart)
-        channel = f"peak_{self.part}_force"
         first = 0 if wanted is None else names.index(wanted)
         which = slice(first, len(names) if wanted is None else first + 1)
-
-        def look() -> str | None:
-            forces = simulation._core.last_row(channel)[which]
-            worst = int(forces.argmax())
-            if forces[worst] <= self.force:
-                return None
-            found = shown(names[first + worst])
-            return (
-                f"{self.part} {found} had a force of {forces[worst]:.4g} N, above {self.force:g} N"
-            )
-
-        return look
+        called = [f"{self.part} {shown(name)}" for name in names]
+        return force_above(simulation, f"peak_{self.part}_force", self.force, called, which)
 
 
 @description(frozen=True)

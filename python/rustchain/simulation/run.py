@@ -10,7 +10,6 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -20,6 +19,7 @@ from rustchain.arguments import finite_number, items_within, shown
 from rustchain.caller import log
 from rustchain.errors import InvalidInput, MissingExtra
 from rustchain.names import suggest
+from rustchain.paths import path_of
 
 if TYPE_CHECKING:
     from rustchain.description.drive import ChainDrive
@@ -111,10 +111,10 @@ def check_rows_fit(duration: object, report_step: object, numbers: int, out: obj
 def _free_space(out: object) -> float:
     """Return the free space of the disc [bytes], with that of the file that `out` replaces."""
     try:
-        path = Path(out)  # type: ignore[arg-type]  # what names no file raises
+        path = path_of(out)
         replaced = path.stat().st_size if path.is_file() else 0
         return float(shutil.disk_usage(path.parent).free + replaced)
-    except (TypeError, ValueError, OSError):
+    except (InvalidInput, OSError):
         return math.inf
 
 

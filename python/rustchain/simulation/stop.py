@@ -84,6 +84,22 @@ class StopCondition(Description, ABC):
         return slice(number - 1, number)
 
 
+def force_above(
+    simulation: Simulation, channel: str, limit: float, names: Sequence[str], which: slice
+) -> Look:
+    """Return what looks whether one of the forces in a channel exceeds a limit [N]."""
+
+    def look() -> str | None:
+        forces = simulation._core.last_row(channel)[which]
+        worst = int(forces.argmax())
+        if forces[worst] <= limit:
+            return None
+        found = names[which][worst]
+        return f"{found} had a force of {forces[worst]:.4g} N, above {limit:g} N"
+
+    return look
+
+
 @dataclass(frozen=True)
 class _ContactForceAbove(StopCondition):
     """Base of the conditions on forces of hinges and of teeth."""
@@ -107,15 +123,8 @@ class _ContactForceAbove(StopCondition):
             expected = f"must be a {self.contact} that this open chain has"
             raise self._refusal(self.contact, which.start + 1, expected, NoSuchPart)
 
-        def look() -> str | None:
-            row = simulation._core.last_row(self.channel)[which]
-            worst = int(row.argmax())
-            if row[worst] <= self.force:
-                return None
-            found = f"{self.contact} {which.start + worst + 1}"
-            return f"{found} had a force of {row[worst]:.4g} N, above {self.force:g} N"
-
-        return look
+        names = [f"{self.contact} {k + 1}" for k in range(drive.hinge_count)]
+        return force_above(simulation, self.channel, self.force, names, which)
 
 
 @description(frozen=True)
