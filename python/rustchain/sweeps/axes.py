@@ -21,7 +21,7 @@ from rustchain.description.solver import Solver
 from rustchain.description.sprocket import AppliedTorque, Free, PrescribedSpeed
 from rustchain.description.tensioner import Tensioner
 from rustchain.errors import InvalidInput
-from rustchain.sweeps.cases import Parameters
+from rustchain.sweeps.cases import Parameters, first_twice
 from rustchain.sweeps.fields import (
     field_names,
     general,
@@ -106,7 +106,7 @@ def check_names(
         if missing:
             msg = f"scene: the function needs {missing[0]!r}: make it an axis, or give it a default"
             raise InvalidInput(msg)
-        twice = _first_twice([name if name in own else _target(name) for name in case])
+        twice = first_twice([name if name in own else _target(name) for name in case])
         if twice is not None:
             msg = f"{where}: {shown(twice)} is there twice, under two names"
             raise InvalidInput(msg)
@@ -190,16 +190,14 @@ def _drive_with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
     if "pretension" in changes and fields.get(("tensioner",), drive.tensioner) is None:
         fields["tensioner",] = Tensioner(pretension=changes["pretension"])
     if "speed" in changes:
-        driven = (isinstance(s.motion, PrescribedSpeed) for s in drive.sprockets)
-        driver = next((number for number, is_driver in enumerate(driven) if is_driver), None)
+        driver = driver_of(drive)
         if driver is None:
             msg = (
                 f"speed = {shown(changes['speed'])}: no sprocket of this drive has a "
-                "PrescribedSpeed "
-                "that could be changed"
+                "PrescribedSpeed that could be changed"
             )
             raise InvalidInput(msg)
-        path = ("sprockets", str(driver + 1), "motion", "speed")
+        path = ("sprockets", str(driver), "motion", "speed")
         if path in fields:
             msg = (
                 f"axes: 'speed' and {shown('.'.join(path))} are one parameter of this drive; "
@@ -211,6 +209,12 @@ def _drive_with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
     # At 0 N the centres are fixed, as in the generators.
     none = changes.get("pretension") == 0 and changed.tensioner is not None
     return _replicated_drive(replace(changed, tensioner=None) if none else changed, seed)
+
+
+def driver_of(drive: ChainDrive) -> int | None:
+    """Return the number of the first sprocket with a prescribed speed, from 1, or None."""
+    numbered = enumerate(drive.sprockets, 1)
+    return next((k for k, one in numbered if isinstance(one.motion, PrescribedSpeed)), None)
 
 
 def _checked_seed(seed: object) -> int:
@@ -292,10 +296,6 @@ def _target(name: str) -> str:
 def _in_scene(name: str) -> bool:
     """Return whether a name is that of a field of the scene or of one of its parts."""
     return _OTHER_NAMES.get(name, str(name)).split(".")[0] in _SCENE_FIELDS
-
-
-def _first_twice(names: list[str]) -> str | None:
-    return next((name for name in names if names.count(name) > 1), None)
 
 
 def _kind_of(system: System) -> str:

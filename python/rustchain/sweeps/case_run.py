@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-from rustchain.arguments import finite_number
 from rustchain.description.scene import Scene
 from rustchain.errors import RustchainError, attach
 from rustchain.results.result import Result
@@ -35,11 +34,6 @@ class Case:
     number: int
     scene: Scene
     run: Parameters
-
-    @property
-    def seconds(self) -> float:
-        """Simulated time [s]; 0 where it is no number, which the run refuses."""
-        return finite_number(self.run["duration"]) or 0.0
 
     def groups(self) -> tuple[list[str], bool]:
         """Return what is recorded, and whether the energy balance is kept."""

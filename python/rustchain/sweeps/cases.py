@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any, TypeAlias
 
@@ -34,7 +34,7 @@ def axes_of(axes: Mapping[Any, Iterable[Any]]) -> Axes:
             _check_rows(where, name, found[name])
             found[name] = tuple(tuple(map(_read_once, row)) for row in found[name])
     names = [each for name in found for each in names_of(name)]
-    twice = next((name for name in names if names.count(name) > 1), None)
+    twice = first_twice(names)
     if twice is not None:
         msg = f"axes: {shown(twice)} is there twice, on two axes"
         raise InvalidInput(msg)
@@ -53,6 +53,16 @@ def _check_rows(where: str, names: tuple[str, ...], rows: tuple[Any, ...]) -> No
         if not isinstance(row, tuple) or len(row) != len(names) or not names:
             msg = f"{where}: got the row {shown(row)}; expected {len(names)} values, one for each"
             raise InvalidInput(f"{msg} of the names")
+
+
+def first_twice(names: Sequence[str]) -> str | None:
+    """Return the first of the names that is there more than once, or None."""
+    return next((name for name in names if names.count(name) > 1), None)
+
+
+def seconds_of(parameters: Parameters) -> float:
+    """Return the simulated time of a case [s]; 0 where it is no number, which the run refuses."""
+    return finite_number(parameters["duration"]) or 0.0
 
 
 def names_of(axis: AxisName) -> tuple[str, ...]:

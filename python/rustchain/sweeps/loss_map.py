@@ -10,9 +10,10 @@ import numpy as np
 from rustchain.arguments import checked, shown
 from rustchain.description.drive import ChainDrive
 from rustchain.description.scene import Scene, scene_of
-from rustchain.description.sprocket import AppliedTorque, PrescribedSpeed
+from rustchain.description.sprocket import AppliedTorque
 from rustchain.errors import InvalidInput
 from rustchain.results.result import Result
+from rustchain.sweeps.axes import driver_of
 from rustchain.sweeps.cases import check_burn_in
 from rustchain.sweeps.running import DaskClient
 from rustchain.sweeps.sweep import sweep
@@ -96,8 +97,7 @@ def loss_map(
     for name, values in (("speeds", speeds), ("torques", torques)):
         if len(values) == 0:
             raise InvalidInput(f"{name} = {shown(values)}: must hold at least one value")
-    driven = (isinstance(each.motion, PrescribedSpeed) for each in drive.sprockets)
-    driver = next((number for number, is_driver in enumerate(driven, 1) if is_driver), None)
+    driver = driver_of(drive)
     if loaded == driver:
         msg = f"loaded = {loaded}: sprocket {loaded} is the driver; expected another sprocket"
         raise InvalidInput(msg)
@@ -131,16 +131,13 @@ def loss_map(
     channels = [str(name).removeprefix(_LOSS) for name in found if str(name).startswith(_LOSS)]
     if not channels:  # no case has ended
         raise KeyboardInterrupt if swept.status == "interrupted" else swept.errors[0]
-    watts = {"units": "W"}
-    data = {name: found[name].to_numpy() for name in ("efficiency", "lost", "delivered")}
+    variables = {
+        name: (("speed", "torque"), found[name].to_numpy(), {"units": unit})
+        for name, unit in (("efficiency", "1"), ("lost", "W"), ("delivered", "W"))
+    }
     loss = np.stack([found[_LOSS + channel].to_numpy() for channel in channels], -1)
     return xr.Dataset(
-        {
-            "efficiency": (("speed", "torque"), data["efficiency"], {"units": "1"}),
-            "lost": (("speed", "torque"), data["lost"], watts),
-            "delivered": (("speed", "torque"), data["delivered"], watts),
-            "loss": (("speed", "torque", "channel"), loss, watts),
-        },
+        {**variables, "loss": (("speed", "torque", "channel"), loss, {"units": "W"})},
         {
             "speed": ("speed", np.asarray(speeds, dtype=float), {"units": "rad/s"}),
             "torque": ("torque", np.asarray(torques, dtype=float), {"units": "N m"}),

@@ -17,6 +17,13 @@ class NameTaken(InvalidInput):
     """A measured name is that of something else: every case has it, and the sweep ends at once."""
 
 
+def check_measure(measure: object) -> None:
+    """Refuse what can measure no result."""
+    if measure is not None and not callable(measure):
+        msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
+        raise InvalidInput(msg)
+
+
 def check_names_of(measured: Any, taken: Collection[str]) -> None:  # noqa: ANN401
     """Refuse a measured quantity whose name the tables of a sweep use for something else.
 

@@ -18,7 +18,7 @@ from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 from rustchain.results.result import Result
 from rustchain.results.values import ArrayValue
-from rustchain.sweeps.case_run import told
+from rustchain.sweeps.case_run import Notes, told
 from rustchain.sweeps.cases import Axes, Parameters, dims_of, names_of
 from rustchain.sweeps.measure import array_of, check_distinct, check_names_of
 
@@ -166,6 +166,17 @@ class SweepResult(ArrayValue, HtmlView):
             table["error"] = pd.Series({n: told(error) for n, error in self.errors.items()})
         return table
 
+    def _end(self, number: int, notes: Notes, error: Exception | None) -> None:
+        """Keep how a case ended: what there was to warn of, and its error, if there is one."""
+        kinds = (self.law_warnings, self.energy_warnings, self.jump_warnings)
+        for kind, lines in zip(kinds, notes, strict=True):
+            if lines:
+                kind[number] = lines
+        if error is None:
+            self._ended.add(number)
+        else:
+            self.errors[number] = error
+
     def _taken(self) -> set[str]:
         """Return the names that no measured quantity may have."""
         return {*OF_TABLES, *self.dims, *(name for case in self.cases for name in case)}
@@ -232,13 +243,10 @@ def _labels(values: Sequence[Any]) -> _Values:
         return np.array([nan if value is None else value for value in values])
     types = {value: type(value).__name__ for value in given if isinstance(value, Description)}
     unique = len(set(types.values())) == len(types)
-    return np.array(
-        [
-            types[value]
-            if unique and isinstance(value, Description)
-            else value
-            if isinstance(value, str)
-            else repr(value)
-            for value in values
-        ]
-    )
+
+    def label(value: object) -> str:
+        if unique and isinstance(value, Description):
+            return types[value]
+        return value if isinstance(value, str) else repr(value)
+
+    return np.array(list(map(label, values)))

@@ -35,6 +35,7 @@ from rustchain.sweeps.case_run import (
     run_and_measure,
     run_case,
 )
+from rustchain.sweeps.cases import seconds_of
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
@@ -82,11 +83,12 @@ def run_here(
     count = number_of_threads(threads)
     told: set[str] = set()
     while portion := list(islice(cases, _PORTION * count)):
-        others = [case for case in portion if looks.any or case.scene.kind == "mechanism"]
-        if len(others) < len(portion):
-            kept = {case.number for case in others}
-            for_pool = [case for case in portion if case.number not in kept]
-            yield from _run_in_pool(for_pool, measure, threads, bar, told)
+        pooled: list[Case] = []
+        others: list[Case] = []
+        for case in portion:
+            alone = looks.any or case.scene.kind == "mechanism"
+            (others if alone else pooled).append(case)
+        yield from _run_in_pool(pooled, measure, threads, bar, told)
         yield from _run_on_threads(iter(others), looks, measure, count, bar)
 
 
@@ -184,7 +186,7 @@ def _run_on_threads(
             for ended in _in_turn(cases, submit, 2 * threads):
                 if ended is not None:
                     case, outcome = ended
-                    bar.update(case.seconds)
+                    bar.update(seconds_of(case.run))
                     ended = case, measured(outcome, measure)
                 yield ended
         finally:
@@ -204,7 +206,7 @@ def run_on(
     run = partial(run_and_measure, looks=looks, measure=measure)
     for ended in _in_turn(cases, partial(pool.submit, run), _MOST_SUBMITTED):
         if ended is not None:
-            bar.update(ended[0].seconds)
+            bar.update(seconds_of(ended[0].run))
         yield ended
 
 

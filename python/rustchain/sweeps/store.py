@@ -314,15 +314,8 @@ def _swept(found: list[tuple[Parameters, Path, bool, Outcome]], measured: bool) 
     values: Any = [outcome.value for *_, outcome in found] if measured else StoredResults(paths)
     cases = [case[0] for case in found]
     swept = SweepResult(cases, _axes_of(cases), values, _measured=measured)
-    notes = (swept.law_warnings, swept.energy_warnings, swept.jump_warnings)
     for number, (*_, outcome) in enumerate(found):
-        for kind, lines in zip(notes, outcome.notes, strict=True):
-            if lines:
-                kind[number] = lines
-        if outcome.error is not None:
-            swept.errors[number] = outcome.error
-        else:
-            swept._ended.add(number)
+        swept._end(number, outcome.notes, outcome.error)
     return swept
 
 

@@ -27,7 +27,7 @@ from rustchain.sweeps.cases import (
     check_columns,
     names_of,
 )
-from rustchain.sweeps.measure import numbers_of
+from rustchain.sweeps.measure import check_measure, numbers_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.running import DaskClient
 from rustchain.sweeps.sweep import sweep
@@ -231,9 +231,7 @@ def study(
     """
     axes = {} if axes is None else axes
     runs = count_within("runs", runs, 2, MOST_CASES)  # one has no spread
-    if measure is not None and not callable(measure):
-        msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
-        raise InvalidInput(msg)
+    check_measure(measure)
     duration, burn_in, confidence = map(plain, (duration, burn_in, confidence))
     for name, value in (("duration", duration), ("burn_in", burn_in), ("confidence", confidence)):
         if isinstance(value, bool) or not isinstance(value, float | int):

@@ -7,7 +7,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rustchain.arguments import finite_number, plain, shown
+from rustchain.arguments import plain, shown
 from rustchain.caller import warn_caller
 from rustchain.errors import (
     CaseWarning,
@@ -24,8 +24,8 @@ from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition, check_looks
 from rustchain.sweeps.axes import System, case_of, check_names
 from rustchain.sweeps.case_run import Case, Looks, Outcome, lean, told
-from rustchain.sweeps.cases import Parameters, cases_of, check_columns, dims_of
-from rustchain.sweeps.measure import NameTaken, check_names_of
+from rustchain.sweeps.cases import Parameters, cases_of, check_columns, dims_of, seconds_of
+from rustchain.sweeps.measure import NameTaken, check_measure, check_names_of
 from rustchain.sweeps.result import OF_TABLES, SweepResult
 from rustchain.sweeps.running import (
     DaskClient,
@@ -168,9 +168,7 @@ def sweep(
         "energy": energy,
     }
     grid, cases = cases_of(axes)
-    if measure is not None and not callable(measure):
-        msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
-        raise InvalidInput(msg)
+    check_measure(measure)
     check_truth("progress", progress)
     check_truth("retry", retry)
     check_names(scene, run, cases)
@@ -193,7 +191,7 @@ def sweep(
         if measure is None:
             found.values = StoredResults([None] * len(cases))
     sweep = _Sweep(found, kept)
-    total = sum(_seconds(run | case) for case in cases)
+    total = sum(seconds_of(run | case) for case in cases)
     try:
         with seconds_bar(total, progress, f"0 of {len(cases)} cases") as bar:
             todo = sweep.todo(scene, run, bar)
@@ -230,7 +228,6 @@ class _Sweep:
 
     def __init__(self, found: SweepResult, store: Store | None) -> None:
         self.found = found
-        self.notes = (found.law_warnings, found.energy_warnings, found.jump_warnings)
         self.unmade: set[int] = set()
         self._taken = found._taken()
         self._store = store
@@ -251,7 +248,7 @@ class _Sweep:
             else:
                 self._check_names(stored)
                 self._keep(number, stored)
-                bar.total -= _seconds(run | parameters)
+                bar.total -= seconds_of(run | parameters)
                 self.tell(bar)
 
     def take(self, case: Case, outcome: Outcome) -> None:
@@ -271,9 +268,6 @@ class _Sweep:
 
     def _keep(self, number: int, outcome: Outcome) -> None:
         found = self.found
-        for notes, new in zip(self.notes, outcome.notes, strict=True):
-            if new:
-                notes[number] = new
         if not outcome.made:
             self.unmade.add(number)
         if outcome.error is not None:
@@ -281,32 +275,21 @@ class _Sweep:
                 attach(outcome.error, "__traceback__", None)
                 if hasattr(outcome.error, "result"):
                     attach(outcome.error, "result", None)
-            _fail(found, number, outcome.error)
-            return
-        found._ended.add(number)
-        if isinstance(found.values, StoredResults):
+            # What add_note does, which Python 3.10 lacks.
+            notes = getattr(outcome.error, "__notes__", ())
+            note = f"in {_name(found, number)} of the sweep"
+            attach(outcome.error, "__notes__", [*notes, note])
+        elif isinstance(found.values, StoredResults):
             found.values.paths[number] = self._paths[number]
         else:
             found.values[number] = outcome.value
+        found._end(number, outcome.notes, outcome.error)
 
     def tell(self, bar: Bar) -> None:
         """Show how many cases have ended and how many have failed."""
         done, failed = len(self.found._ended), len(self.found.errors)
         text = f"{done + failed} of {len(self.found.cases)} cases"
         bar.set_description(f"{text}, {failed} failed" if failed else text)
-
-
-def _seconds(parameters: Parameters) -> float:
-    """Return the simulated time of a case [s]; 0 where it is no number, which the run refuses."""
-    return finite_number(parameters["duration"]) or 0.0
-
-
-def _fail(found: SweepResult, number: int, error: Exception) -> None:
-    """Keep the error of a case, with a note that names the case."""
-    # What add_note does, which Python 3.10 lacks.
-    note = f"in {_name(found, number)} of the sweep"
-    attach(error, "__notes__", [*getattr(error, "__notes__", ()), note])
-    found.errors[number] = error
 
 
 def _name(found: SweepResult, number: int) -> str:
