@@ -96,8 +96,8 @@ class Circuit:
                 seen = _turn(report, number - 1) * (around + gap[row, bushing])
                 middle = 0.5 * wrap[row, place]
                 way = moved[row, report.order[0] - 1] + bushing - begin[row, place]
-                apart = _nearest(way - middle, drive.chain.links) + middle - seen
-                shift[place] = np.round(np.median(_nearest(apart, teeth)))
+                apart = remainder(way - middle, drive.chain.links) + middle - seen
+                shift[place] = np.round(np.median(remainder(apart, teeth)))
         # Position 0 remains the first seat of the first sprocket, whichever hinge starts there.
         begin = begin.mean(axis=0) + shift - shift[0]
         return cls._through(drive, begin, wrap.mean(axis=0), shift[0])
@@ -260,12 +260,12 @@ def _wraps(drive: ChainDrive, centers: Array, moved: Array) -> tuple[Array, Arra
         k = number - 1
         per_radian = _turn(report, k) * report.teeth[k] / (2 * math.pi)
         # The belt line meets the pitch circle before the first seat, or a little behind it.
-        apart = _nearest(belt.meeting[:, place] - report.first_seat_angle[k] - line, 2 * math.pi)
+        apart = remainder(belt.meeting[:, place] - report.first_seat_angle[k] - line, 2 * math.pi)
         behind = moved[:, report.order[0] - 1] - moved[:, k]
         begin[:, place] = seat + per_radian * apart + behind
         length = per_radian * (belt.leaving[:, place] - belt.meeting[:, place])
         described = report.belt_wrap_angle[k] * abs(per_radian)
-        wrap[:, place] = described + _nearest(length - described, report.teeth[k])
+        wrap[:, place] = described + remainder(length - described, report.teeth[k])
         seat += report.wrap_pitches[k] + pitches[place]
     return begin, wrap
 
@@ -294,7 +294,7 @@ def _in_order_of_the_way(values: tuple[_Listed, ...]) -> tuple[_Listed, ...]:
     return values[::-1] if len(values) == 2 else values
 
 
-def _nearest(values: Array, period: float) -> Array:
-    """Return the values less whole periods, between minus and plus half a period."""
-    near: Array = values - period * np.round(values / period)
-    return near
+def remainder(values: Array, period: float) -> Array:
+    """Return the values less whole periods, from minus to plus half a period: `math.remainder`."""
+    left: Array = values - period * np.round(values / period)
+    return left

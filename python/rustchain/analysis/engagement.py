@@ -176,8 +176,6 @@ def _engaged_before(result: Result) -> list[int]:
     return engaged.tolist()
 
 
-def _row_at(
-    passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: Number
-) -> int:
+def _row_at(passed: Array, first: int, within: Number) -> int:
     """Return the row, after `first`, at which the chain has gone on by `within` pitches since."""
     return first + int(np.searchsorted(passed[first:] - passed[first], within, "left"))

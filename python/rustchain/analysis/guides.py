@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rustchain import _rustchain
-from rustchain.analysis.circuit import Circuit
+from rustchain.analysis.circuit import Circuit, remainder
 from rustchain.analysis.loads import forces_of, nearest_contact
 from rustchain.analysis.phases import (
     NEWTONS,
@@ -21,6 +20,7 @@ from rustchain.analysis.phases import (
     mean_of,
     midway,
 )
+from rustchain.analysis.strands import fronts_of
 from rustchain.analysis.window import rows_between, start_positions
 from rustchain.arguments import shown
 from rustchain.description.guides import SmoothIdler
@@ -84,8 +84,7 @@ def guide_loads(
     circuit = Circuit.of(result.drive)
     reach = math.ceil(_length(result, number) / (2 * result.drive.chain.pitch)) + 1.5
     along = midway(circuit.moved(result)[rows])[:, None] + np.arange(circuit.links)
-    along = along - _middle(result, number)
-    along -= circuit.links * np.round(along / circuit.links)
+    along = remainder(along - _middle(result, number), circuit.links)
     bins = round(2 * reach * bins_per_pitch)
     place = bins_of(along, -reach, 1.0 / bins_per_pitch, bins)
     mean = mean_of(forces.impulse, span)
@@ -131,17 +130,14 @@ def _length(result: Result, number: int) -> float:
 
 def _middle(result: Result, number: int) -> float:
     """Return the position of the middle of a guide along the chain path at the start [pitches]."""
-    links = result.drive.chain.links
-    guide = result.drive.guides[number - 1]
-    table = _rustchain.chain_links(result.drive.chain)
+    drive = result.drive
+    guide = drive.guides[number - 1]
     positions = start_positions(result)
-    x, y, angle = positions[:links].T
-    half = 0.5 * table[:, 0]
-    hinges = np.stack([x + half * np.cos(angle), y + half * np.sin(angle)], axis=1)
+    hinges = fronts_of(drive.chain, positions[: drive.chain.links])
     step = np.roll(hinges, -1, axis=0) - hinges
     along = ((np.array(guide.center) - hinges) * step).sum(axis=1) / (step**2).sum(axis=1)
     inside = np.clip(along, 0.0, 1.0)
     foot = hinges + inside[:, None] * step
     nearest = int(np.argmin(np.hypot(*(foot - np.array(guide.center)).T)))
-    moved = Circuit.of(result.drive).moved_at(result.drive, positions)
+    moved = Circuit.of(drive).moved_at(drive, positions)
     return float(nearest + inside[nearest] + moved)

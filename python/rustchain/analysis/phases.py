@@ -97,9 +97,7 @@ def bins_of(position: Array, begin: float, width: float, bins: int) -> npt.NDArr
 
 def midway(values: Array) -> Array:
     """Return values in the middle of each row's interval: halfway to the row before."""
-    found: Any = values.copy()
-    found[1:] = 0.5 * (values[1:] + values[:-1])
-    return found  # type: ignore[no-any-return]
+    return np.append(values[:1], 0.5 * (values[1:] + values[:-1]))
 
 
 def intervals(time: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain import _rustchain
-from rustchain.analysis.circuit import Belt, Circuit
+from rustchain.analysis.circuit import Belt, Circuit, remainder
 from rustchain.analysis.spectrum import welch
 from rustchain.analysis.window import check_finite, rows_between
 from rustchain.arguments import count_within, shown
@@ -91,13 +91,13 @@ def strand_motion(
     length = np.hypot(way[:, 0], way[:, 1])
     along = way / length[:, None]
     outward = np.stack([along[:, 1], -along[:, 0]], axis=1)  # the loop runs counterclockwise
-    hinges = _hinge_places(result, rows) - begin[:, None]
+    poses = result.array("positions")[rows, : drive.chain.links]
+    hinges = fronts_of(drive.chain, poses) - begin[:, None]
     x = (hinges * along[:, None]).sum(-1) / length[:, None]
     y = (hinges * outward[:, None]).sum(-1)
     # Two pitches to either side hold the ends down; the strands beyond are others.
     middle = 0.5 * (section.begin + section.end)
-    apart = circuit.positions(result)[rows] - middle
-    apart -= circuit.links * np.round(apart / circuit.links)
+    apart = remainder(circuit.positions(result)[rows] - middle, circuit.links)
     near = np.abs(apart) < 0.5 * (section.end - section.begin) + 2.0
     motion = np.empty((len(x), len(stations)))
     for row, here in enumerate(near):
@@ -227,11 +227,9 @@ def strand_name(result: Result, strand: str | Count) -> str:
     return strand if isinstance(strand, str) else result.strand_names[strand - 1]
 
 
-def _hinge_places(result: Result, rows: slice) -> Array:
-    """Return the fronts of the links [m], (times, hinges, 2)."""
-    links = result.drive.chain.links
-    poses = result.array("positions")[rows, :links]
-    half = 0.5 * _rustchain.chain_links(result.drive.chain)[:, :1]
+def fronts_of(chain: Chain, poses: Array) -> Array:
+    """Return where the front hinges of links at `poses` are [m], (..., links, 2)."""
+    half = 0.5 * _rustchain.chain_links(chain)[:, :1]
     turn = np.stack([np.cos(poses[..., 2]), np.sin(poses[..., 2])], -1)
     places: Array = poses[..., :2] + half * turn
     return places

@@ -156,8 +156,8 @@ def study(
             if name in grid:
                 misuse(f"--axis: {name!r} is there twice; give it once, with all values")
             if not isinstance(values, list | tuple):
-                given = axis.partition("=")[2].strip()
-                misuse(f"--axis {axis}: is no list; expected brackets, {name}=[{given}]")
+                text = axis.partition("=")[2].strip()
+                misuse(f"--axis {axis}: is no list; expected brackets, {name}=[{text}]")
             grid[name] = values
         _check_no_axis(settings, grid, "--axis; remove one of them")
         figures = None if given is None else measure_of(given, 0.0, Path())

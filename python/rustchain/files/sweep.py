@@ -200,7 +200,7 @@ class SweepFile:
     scene: SceneFile
     axes: Axes | list[dict[str, Any]]
     measure: Callable[[Result], Any]
-    _source: Source | None = field(default=None, repr=False, compare=False)
+    _source: Source = field(repr=False, compare=False)
 
     @classmethod
     def read(cls, path: Path, drive: Callable[[str], SceneFile]) -> SweepFile:
@@ -233,8 +233,6 @@ class SweepFile:
 
     def refusal(self, error: InvalidInput) -> InvalidInput:
         """Return an error of the sweep with the place of the parameter that it names."""
-        if self._source is None:
-            return error
         text = str(error)
         for name in ("burn_in", "measure"):
             if text.startswith(name):
@@ -257,7 +255,7 @@ class SweepFile:
     def _keys_of_parameters(self) -> dict[str, Key]:
         """Return the first place of each parameter that the file varies."""
         keys: dict[str, Key] = {}
-        for key in self._source.places if self._source is not None else ():
+        for key in self._source.places:
             if len(key) == _DEPTHS.get(str(key[0])):
                 for name in str(key[-1]).split(","):
                     keys.setdefault(name.strip(), key)

@@ -160,10 +160,7 @@ def outlines_at(shape: Shape | Bar, poses: Array) -> Array:
 
 def force_points(forces: Forces, poses: Array) -> Array:
     """Return where forces act with bodies at `poses`, (forces, 2) [m]."""
-    at = _rows(poses, forces.bodies)
-    cosine, sine = np.cos(at[:, 2]), np.sin(at[:, 2])
-    x, y = forces.points.T
-    return np.stack([at[:, 0] + cosine * x - sine * y, at[:, 1] + sine * x + cosine * y], axis=1)
+    return placed(_rows(poses, forces.bodies), forces.points[:, None])[:, 0]
 
 
 def _rows(poses: Array, bodies: Sequence[int]) -> Array:
@@ -174,8 +171,12 @@ def _rows(poses: Array, bodies: Sequence[int]) -> Array:
 
 
 def placed(poses: Array, points: Array) -> Array:
-    """Return `points`, (points, 2), of a body at each of its `poses`: (poses, points, 2)."""
-    cosine, sine = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    turn = np.array([[cosine, -sine], [sine, cosine]])
-    found: Array = np.einsum("ijk,pj->kpi", turn, points) + poses[:, None, :2]
+    """Return points of a body at each of its poses, (poses, points, 2).
+
+    They are the same at all poses, (points, 2), or those of each, (poses, points, 2).
+    """
+    cosine, sine = np.cos(poses[:, None, 2]), np.sin(poses[:, None, 2])
+    x, y = points[..., 0], points[..., 1]
+    turned = np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+    found: Array = turned + poses[:, None, :2]
     return found

@@ -241,8 +241,9 @@ def _safety(result: Result, breaking_load: float | None) -> str:
         ("largest tension of a strand", found.largest_pull, ""),
         ("largest force in a hinge", found.largest_force, ""),
     ):
-        known = found.breaking_load is not None and load > 0.0
-        safety = number_text(found.breaking_load / load) if known else "–"  # type: ignore[operator]
+        safety = "–"
+        if found.breaking_load is not None and load > 0.0:
+            safety = number_text(found.breaking_load / load)
         rows.append((label, number_text(load), "N", safety, usual))
     known_load = (
         f"Breaking load of the chain: {number_text(1e-3 * found.breaking_load)} kN."
@@ -257,7 +258,7 @@ def _pressures(found: Safety) -> str:
     allowed = (
         "outside the table"
         if found.allowed_pressure is None
-        else (f"{number_text(1e-6 * found.allowed_pressure)} MPa")
+        else f"{number_text(1e-6 * found.allowed_pressure)} MPa"
     )
     rows = [
         ("projected, of the mean tension", number_text(1e-6 * found.pressure), "MPa", allowed),
