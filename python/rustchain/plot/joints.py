@@ -69,9 +69,9 @@ class JointFigures(Figures):
         hinges = self.result.drive.hinges
         if hinges != "ideal":
             msg = (
-                f"ChainDrive.hinges = {shown(hinges)}: the hinges of this drive are contacts "
-                "and no "
-                "joints: hinge_force and hinge_loads draw them; hinges='ideal' makes joints of them"
+                f"ChainDrive.hinges = {shown(hinges)}: the hinges of this drive are contacts and "
+                "no joints: hinge_force and hinge_loads draw them; hinges='ideal' makes joints of "
+                "them"
             )
             raise InvalidInput(msg)
 

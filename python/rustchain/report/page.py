@@ -273,11 +273,10 @@ _SOURCES = (
     f"connecting links, {USUAL_SAFETY_OFFSET:g} with slip-fit ones or offset links: rule of "
     "Diamond Chain for slow drives. Pressure over the projected area, pin diameter times length of "
     "the bushing. Its guide value is a textbook's for the mean pressure, at this pitch and speed "
-    "of the small sprocket, "
-    "with 1 % more for each tooth above 17: Chernavskii and others, Course Design of Machine "
-    "Elements (edition and page not checked). It is no limit of a standard or of the chain's "
-    "manufacturer, and other tables differ from it by up to 30 %. The manufacturer's selection by "
-    "power decides.</p>"
+    "of the small sprocket, with 1 % more for each tooth above 17: Chernavskii and others, Course "
+    "Design of Machine Elements (edition and page not checked). It is no limit of a standard or of "
+    "the chain's manufacturer, and other tables differ from it by up to 30 %. The manufacturer's "
+    "selection by power decides.</p>"
 )
 
 

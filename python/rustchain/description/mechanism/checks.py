@@ -89,8 +89,7 @@ def arcs(name: str, points: Rows, bulges: Numbers, closed: bool) -> list[tuple[f
     if len(given) != pieces:
         msg = (
             f"bulges of contact {shown(name)} = {shown(bulges)}: must be {pieces} numbers, one "
-            "for each "
-            "piece between two points (0 for a straight one)"
+            "for each piece between two points (0 for a straight one)"
         )
         raise InvalidInput(msg)
     found: list[tuple[float, ...]] = []

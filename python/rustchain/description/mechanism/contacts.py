@@ -174,7 +174,5 @@ class WithContacts:
         """Add a contact; of the places on both bodies, by name, the first may be left out."""
         at = [point(field, "contact", name, place) for field, place in places.items()]
         first, last = (at[0] if len(at) == 2 else (0.0, 0.0)), at[-1]
-        self.contacts = (
-            *self.contacts,
-            Contact(kind, name, *bodies, radius, law, first, last, **profile),
-        )
+        made = Contact(kind, name, *bodies, radius, law, first, last, **profile)
+        self.contacts = (*self.contacts, made)

@@ -65,19 +65,10 @@ class WithForces:
             msg = f"force of {shown(name)} = {shown(force)}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
         refuse_functions(f"force of {shown(name)}", *components)
-        self.forces = (
-            *self.forces,
-            Force(
-                "force",
-                name,
-                GROUND,
-                body,
-                point_b=point_of("point", "force", name, point),
-                x=components[0],
-                y=components[1],
-                follows=follows,
-            ),
-        )
+        x, y = components
+        at = point_of("point", "force", name, point)
+        made = Force("force", name, GROUND, body, point_b=at, x=x, y=y, follows=follows)
+        self.forces = (*self.forces, made)
 
     def add_torque(
         self,
@@ -106,12 +97,10 @@ class WithForces:
         """
         one_of(name, "torque", torque, "by_speed", by_speed)
         if torque is None:
-            self.forces = (
-                *self.forces,
-                Force("torque_by_speed", name, reaction, body, table=by_speed),
-            )
+            made = Force("torque_by_speed", name, reaction, body, table=by_speed)
         else:
-            self.forces = (*self.forces, Force("torque", name, reaction, body, x=torque))
+            made = Force("torque", name, reaction, body, x=torque)
+        self.forces = (*self.forces, made)
 
     def add_spring(
         self,
@@ -152,22 +141,20 @@ class WithForces:
             )
             raise InvalidInput(msg)
         _check_stiffness(name, stiffness, cubic, "N/m")
-        self.forces = (
-            *self.forces,
-            Force(
-                "spring",
-                name,
-                body_a,
-                body_b,
-                point_of("point_a", "force", name, point_a),
-                point_of("point_b", "force", name, point_b),
-                stiffness=stiffness,
-                damping=damping,
-                cubic=cubic,
-                rest=rest_length,
-                table=table,
-            ),
+        made = Force(
+            "spring",
+            name,
+            body_a,
+            body_b,
+            point_of("point_a", "force", name, point_a),
+            point_of("point_b", "force", name, point_b),
+            stiffness=stiffness,
+            damping=damping,
+            cubic=cubic,
+            rest=rest_length,
+            table=table,
         )
+        self.forces = (*self.forces, made)
 
     def add_torsion_spring(
         self,
@@ -197,20 +184,18 @@ class WithForces:
             Torque over rotation, in place of `stiffness` and `cubic`.
         """
         _check_stiffness(name, stiffness, cubic, "N m/rad")
-        self.forces = (
-            *self.forces,
-            Force(
-                "torsion_spring",
-                name,
-                body_a,
-                body_b,
-                stiffness=stiffness,
-                damping=damping,
-                cubic=cubic,
-                rest=rest_angle,
-                table=table,
-            ),
+        made = Force(
+            "torsion_spring",
+            name,
+            body_a,
+            body_b,
+            stiffness=stiffness,
+            damping=damping,
+            cubic=cubic,
+            rest=rest_angle,
+            table=table,
         )
+        self.forces = (*self.forces, made)
 
     def add_callable(self, name: str, body: str, function: LoadFunction) -> None:
         """Add a load on a body by a Python function: for prototypes, slower than other forces.
@@ -229,8 +214,7 @@ class WithForces:
         if not callable(function):
             msg = (
                 f"function of force {shown(name)} = {shown(function)}: must be callable: "
-                "f(time, position, "
-                "velocity) that returns (force x, force y, torque)"
+                "f(time, position, velocity) that returns (force x, force y, torque)"
             )
             raise InvalidInput(msg)
         self.forces = (*self.forces, Force("custom", name, GROUND, body, function=function))

@@ -273,11 +273,8 @@ class WithJoints:
             Points in the frames of the bodies [m]; by default the centres of mass.
         """
         motion = one_of(name, "position", position, "speed", speed)
-        law: dict[str, Any] = {
-            "direction": direction,
-            "motion": motion,
-            "by_speed": position is None,
-        }
+        by_speed = position is None
+        law: dict[str, Any] = {"direction": direction, "motion": motion, "by_speed": by_speed}
         self._join_at("driven_position", name, body_a, body_b, point_a, point_b, **law)
 
     def _join_at(
@@ -324,10 +321,8 @@ class WithJoints:
             (0.0, 0.0) if place is None else point(f"point_{end}", "joint", name, place)
             for end, place in points
         )
-        self.joints = (
-            *self.joints,
-            Joint(kind, name, body_a, body_b, place_a, place_b, direction, **others),
-        )
+        made = Joint(kind, name, body_a, body_b, place_a, place_b, direction, **others)
+        self.joints = (*self.joints, made)
 
     def _local(self, joint: str, body: str, at: Point) -> tuple[float, float]:
         """Return a point of the ground's frame in the frame of a body as placed."""
