@@ -26,7 +26,8 @@ def suggest(word: object, known: Iterable[str], main: Iterable[str] | None = Non
     if (near := nearest_name(word, names)) is not None:
         return f"did you mean {near!r}?"
     listed = list(map(repr, names if main is None else main))
-    kept = listed[: max(_FEWEST, sum(length <= _LONGEST for length in _lengths(listed)))]
+    lengths = accumulate(len(text) + 2 for text in listed)
+    kept = listed[: max(_FEWEST, sum(length <= _LONGEST for length in lengths))]
     if not kept:
         return "there is none"
     return f"known: {', '.join(kept)}{', ...' if len(kept) < len(listed) else ''}"
@@ -47,11 +48,6 @@ def counted(number: int, plural: str) -> str:
     if number != 1:
         return f"{number} {plural}"
     return f"1 {plural[:-3]}y" if plural.endswith("ies") else f"1 {plural[:-1]}"
-
-
-def _lengths(texts: Iterable[str]) -> Iterable[int]:
-    """Return how long a list is with each of its texts."""
-    return accumulate(len(text) + 2 for text in texts)
 
 
 def named_attributes(target: _Class) -> _Class:

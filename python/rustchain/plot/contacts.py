@@ -161,6 +161,8 @@ class ContactFigures(Figures):
             drawn = LineCollection(list(pieces), cmap="viridis", linewidth=1.0, array=force)
             drawn.set_clim(0.0, largest or 1.0)
             axes.add_collection(drawn)
+            if len(path) == 1:  # no line, but a marker
+                axes.plot(*path.T, color=drawn.to_rgba(view.force[rows][0]))
             axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, color=GREY, linestyle=":"))
             axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
             axes.set_title(f"pin {number} in its bushing")

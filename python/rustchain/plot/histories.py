@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from rustchain.analysis.window import rows_between
 from rustchain.plot.colors import BLUE, GREEN, GREY, ORANGE, RED, color_of
 from rustchain.plot.style import Ax, Figures, legend_above, panels, styled, subplots
-from rustchain.results.views import Energy
 from rustchain.typing import Array, Time
 
 
@@ -30,41 +29,34 @@ class HistoryFigures(Figures):
 
     @styled
     def energy(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
-        """Draw the energy balance over time, and its residual."""
+        """Draw the energy balance over time, and its residual.
+
+        Sums count from the first of the rows, as those of `Result.between` do.
+        """
         scale, unit = (1.0, "J") if self.result.scene.kind == "mechanism" else (1e3, "mJ")
         rows = rows_between(self.result, start, end)
-        return energy_figure(self.result.time, self.result.energy, rows, scale, unit, ax)
+        time, energy = self.result.time[rows], self.result.energy
 
+        def since(values: Array) -> Array:
+            counted: Array = values[rows] - values[rows.start] if rows.start else values[rows]
+            return counted
 
-def energy_figure(
-    time: Array, energy: Energy, rows: slice, scale: float, unit: str, ax: Ax
-) -> Figure:
-    """Return a figure of the energy balance in so many units a joule, and of its residual.
-
-    Sums count from the first of the rows, as those of `Result.between` do.
-    """
-    time = time[rows]
-
-    def since(values: Array) -> Array:
-        counted: Array = values[rows] - values[rows.start] if rows.start else values[rows]
-        return counted
-
-    figure, (upper, lower) = subplots(
-        2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
-    )
-    curves = {
-        "dissipated": (since(energy.dissipated), RED),
-        "external work": (since(energy.external_work), GREEN),
-        "kinetic, change": (energy.kinetic[rows] - energy.kinetic[rows.start], BLUE),
-        "gravity, change": (energy.gravity[rows] - energy.gravity[rows.start], GREY),
-        "elastic": (energy.elastic[rows], ORANGE),
-    }
-    for name, (values, color) in curves.items():
-        upper.plot(time, scale * values, color=color, label=name)
-    upper.set_ylabel(f"energy [{unit}]")
-    legend_above(upper)
-    lower.plot(time, scale * since(energy.residual), color=BLUE)
-    lower.set_ylabel(f"residual [{unit}]")
-    lower.set_xlabel("time [s]")
-    figure.align_ylabels()
-    return figure
+        figure, (upper, lower) = subplots(
+            2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
+        )
+        curves = {
+            "dissipated": (since(energy.dissipated), RED),
+            "external work": (since(energy.external_work), GREEN),
+            "kinetic, change": (energy.kinetic[rows] - energy.kinetic[rows.start], BLUE),
+            "gravity, change": (energy.gravity[rows] - energy.gravity[rows.start], GREY),
+            "elastic": (energy.elastic[rows], ORANGE),
+        }
+        for name, (values, color) in curves.items():
+            upper.plot(time, scale * values, color=color, label=name)
+        upper.set_ylabel(f"energy [{unit}]")
+        legend_above(upper)
+        lower.plot(time, scale * since(energy.residual), color=BLUE)
+        lower.set_ylabel(f"residual [{unit}]")
+        lower.set_xlabel("time [s]")
+        figure.align_ylabels()
+        return figure

@@ -13,7 +13,6 @@ from rustchain.analysis.window import mean_over_time
 from rustchain.catalogue.sizes import SIZES
 
 if TYPE_CHECKING:
-    from rustchain.description.chain import Chain
     from rustchain.results.result import Result
 
 # Least breaking load over the pull: Diamond Chain's rule for slow drives, chains with press-fit
@@ -101,6 +100,7 @@ def safety_of(result: Result, breaking_load: float | None = None) -> Safety:
     hertz = line_pressure(np.array(force), hinge_curvature(chain), length, contact_modulus(chain))
     if breaking_load is None and chain.name in SIZES:
         breaking_load = SIZES[chain.name].breaking_load(chain.strands)
+    has_offset_link = result.drive.ends is None and chain.links % 2 == 1
     return Safety(
         breaking_load,
         pull,
@@ -110,7 +110,7 @@ def safety_of(result: Result, breaking_load: float | None = None) -> Safety:
         force / area,
         _allowed(result),
         float(hertz),
-        USUAL_SAFETY_OFFSET if _has_offset_link(result) else USUAL_SAFETY,
+        USUAL_SAFETY_OFFSET if has_offset_link else USUAL_SAFETY,
     )
 
 
@@ -144,8 +144,3 @@ def _allowed(result: Result) -> float | None:
     speed = np.abs(result.array("sprocket_speed")[:, small])
     mean = float(mean_over_time(result.time, speed))
     return allowed_pressure(result.drive.chain.pitch, mean, teeth[small])
-
-
-def _has_offset_link(result: Result) -> bool:
-    chain: Chain = result.drive.chain
-    return result.drive.ends is None and chain.links % 2 == 1

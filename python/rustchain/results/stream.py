@@ -227,7 +227,8 @@ class Stream:
         try:
             self._check_ours()
             if jumps is not None:
-                jumps = tuple(part[self._jumps() :] for part in jumps)  # type: ignore[assignment]
+                first = self._file[tables.JUMPS[0]].shape[0]  # that is not in the file
+                jumps = jumps[0][first:], jumps[1][first:], jumps[2][first:]
             size = sum(array.nbytes for array in rows.values()) // max(count, 1)
             self._reserve(size * (count + self._chunk))
             series = tables.variables_of(rows)
@@ -251,10 +252,6 @@ class Stream:
         first = dataset.shape[0]
         dataset.resize(first + len(values), axis=0)
         dataset[first:] = np.ascontiguousarray(values)
-
-    def _jumps(self) -> int:
-        """Return how many tooth jumps are in the file."""
-        return int(self._file[tables.JUMPS[0]].shape[0])
 
     def _check_ours(self) -> None:
         """Refuse to go on in a file that another run has replaced, or that is gone."""

@@ -90,7 +90,8 @@ def check_names(
     def why_missing(name: str) -> str | None:
         if _is_function(system) or any(name.startswith(f"{each}.") for each in names):
             return None
-        return missing_part(scene_of(system).system, _kind_of(system), name.split("."))
+        scene = scene_of(system)
+        return missing_part(scene.system, scene.kind, name.split("."))
 
     for name, value in names.items():
         near: str | None = None
@@ -296,11 +297,6 @@ def _target(name: str) -> str:
 def _in_scene(name: str) -> bool:
     """Return whether a name is that of a field of the scene or of one of its parts."""
     return _OTHER_NAMES.get(name, str(name)).split(".")[0] in _SCENE_FIELDS
-
-
-def _kind_of(system: System) -> str:
-    """Return what messages call the system of a scene."""
-    return "drive" if isinstance(scene_of(system).system, ChainDrive) else "mechanism"
 
 
 def _is_function(system: System) -> bool:

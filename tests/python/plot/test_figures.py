@@ -243,7 +243,7 @@ def test_a_strand_has_one_name_in_legends_labels_and_sections():
 
 
 def test_a_single_row_is_a_marker(one_row):
-    for figure in (one_row.plot.tension(), one_row.plot.energy()):
+    for figure in (one_row.plot.tension(), one_row.plot.energy(), one_row.plot.orbit(6)):
         curves = [line for line in figure.axes[0].lines if len(line.get_xdata()) == 1]
         assert curves
         assert {line.get_marker() for line in curves} == {"o"}
