@@ -167,6 +167,7 @@ class ContactFigures(Figures):
             axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
             axes.set_title(f"pin {number} in its bushing")
         if ax is None:
+            figure.set_layout_engine("compressed")  # for axes of one scale for x and y
             figure.colorbar(drawn, ax=cells, label="pin / bushing force [N]", shrink=0.8)
         return figure
 

@@ -1,6 +1,7 @@
 """Figures of single contacts: which are drawn, by which names, and with which curves."""
 
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
@@ -112,3 +113,12 @@ def test_ideal_hinges_have_neither_orbit_nor_penetration(draw, options):
     result = rc.Simulation(drive).run(1e-3, record=ALL, progress=False)
     with pytest.raises(rc.InvalidInput, match=r"hinges = 'ideal'.*joint_loads.*'clearance'"):
         getattr(result.plot, draw)(6, **options)
+
+
+@pytest.mark.parametrize(("hinges", "start"), [((6, 11, 12), None), ((6, 11), 0.03)])
+def test_titles_and_labels_of_orbits_are_inside_the_figure(hinges, start):
+    figure = RESULT.plot.orbit(*hinges, start=start, end=0.05 if start is None else start)
+    figure.savefig(BytesIO(), format="png")
+    drawn, (width, height) = figure.get_tightbbox(), figure.get_size_inches()
+    assert 0.0 < drawn.x0 < drawn.x1 < width
+    assert 0.0 < drawn.y0 < drawn.y1 < height
