@@ -55,16 +55,13 @@ class StopCondition(Description, ABC):
     ) -> InvalidInput:
         return kind(f"{type(self).__name__}.{field} = {shown(value)}: {expected}")
 
-    def _check_number(self, field: str, unit: str, least: str = "a positive number") -> None:
-        """Refuse what is no finite number, or below `least`: zero may be among them, or not."""
+    def _check_number(self, field: str, unit: str, *, zero: bool = False) -> None:
+        """Refuse what is no finite number above zero; with `zero`, that is allowed too."""
         value = getattr(self, field)
         if isinstance(value, bool) or not isinstance(value, float | int):
             raise self._refusal(field, value, f"must be a number in {unit}")
-        if (
-            finite_number(value) is None
-            or value < 0.0
-            or (value == 0 and least == "a positive number")
-        ):
+        if finite_number(value) is None or value < 0.0 or (value == 0 and not zero):
+            least = "zero or a positive number" if zero else "a positive number"
             raise self._refusal(field, value, f"must be {least} in {unit}")
 
     def _check_count(self, field: str) -> None:
@@ -206,8 +203,8 @@ class StrandSlack(StopCondition):
     def _check(self) -> None:
         if not isinstance(self.from_start, bool):
             raise self._refusal("from_start", self.from_start, "must be True or False")
-        self._check_number("tension", "N", "zero or a positive number")
-        self._check_number("lasting", "s", "zero or a positive number")
+        self._check_number("tension", "N", zero=True)
+        self._check_number("lasting", "s", zero=True)
         if not isinstance(self.strand, str | None):
             raise self._refusal("strand", self.strand, "must be text, or None")
 

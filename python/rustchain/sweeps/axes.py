@@ -7,7 +7,7 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeGuard
 
 import numpy as np
 
@@ -144,7 +144,7 @@ def case_of(system: System, run: Parameters, parameters: Parameters) -> tuple[Sc
         if name in own or (takes_all and general(name) not in known and not _in_scene(name))
     }
     rest = {name: value for name, value in parameters.items() if name not in to_function}
-    made = system(**to_function) if _is_function(system) else system  # type: ignore[operator]
+    made = system(**to_function) if _is_function(system) else system
     scene = scene_of(made)
     changed_run = run | {name: value for name, value in rest.items() if name in run}
     of_scene = {name: value for name, value in rest.items() if _in_scene(_target(name))}
@@ -299,7 +299,7 @@ def _in_scene(name: str) -> bool:
     return _OTHER_NAMES.get(name, str(name)).split(".")[0] in _SCENE_FIELDS
 
 
-def _is_function(system: System) -> bool:
+def _is_function(system: System) -> TypeGuard[Callable[..., Any]]:
     return not isinstance(system, Scene | ChainDrive | Mechanism)
 
 
@@ -307,7 +307,7 @@ def _arguments(system: System) -> tuple[list[str], list[str], bool]:
     """Return names that a function takes, those it needs, and whether it takes any other too."""
     if not _is_function(system):
         return [], [], False
-    found = inspect.signature(system).parameters.values()  # type: ignore[arg-type]
+    found = inspect.signature(system).parameters.values()
     named = [p for p in found if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     needed = [p.name for p in named if p.default is p.empty]
     return [p.name for p in named], needed, any(p.kind is p.VAR_KEYWORD for p in found)
