@@ -388,28 +388,6 @@ def test_what_was_not_recorded_is_named():
             ask()
 
 
-@pytest.mark.parametrize(
-    ("draw", "panels"),
-    [
-        (lambda plot: plot.hinge_loads(start=0.02), 1),
-        (lambda plot: plot.tooth_loads(2), 2),
-        (lambda plot: plot.wrap_loads(1, 2), 2),
-        (lambda plot: plot.contact_pressure("tooth"), 2),
-        (lambda plot: plot.engagements(), 2),
-        (lambda plot: plot.transmission_error(), 2),
-        (lambda plot: plot.speed_ripple(2), 2),
-        (lambda plot: plot.strand_spectrum("upper"), 2),
-        (lambda plot: plot.power_balance(), 2),
-    ],
-)
-def test_figures_show_what_was_found(run, draw, panels):
-    mpl.use("Agg")
-    figure = draw(run.plot)
-    assert len(figure.axes) == panels
-    assert all(axes.has_data() for axes in figure.axes)
-    plt.close(figure)
-
-
 @pytest.mark.parametrize("frequency", [40.0, 333.0])
 def test_a_spectrum_has_a_line_at_its_frequency_and_the_power_of_the_signal(run, frequency):
     wave = 3.0 * np.sin(2 * np.pi * frequency * run.time)

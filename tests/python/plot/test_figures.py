@@ -169,6 +169,199 @@ def test_the_power_balance_of_a_drive_without_dashpots_draws_none_of_them():
         assert "lost: dashpots" not in [label.get_text() for label in axes.get_yticklabels()]
 
 
+# --- what is drawn has the numbers of the outputs, in the units of the labels
+
+
+def curves(axes):
+    """Return the points of the curves by label; of those without one, by their number."""
+    return {
+        k if line.get_label().startswith("_") else line.get_label(): line.get_xydata().T
+        for k, line in enumerate(axes.lines)
+    }
+
+
+def heights(axes):
+    return [each.get_height() for each in axes.patches]
+
+
+def verticals(axes):
+    """Return the places of vertical lines, in their order."""
+    return [
+        x[0] for x, y in (line.get_data() for line in axes.lines) if len(x) == 2 and x[0] == x[1]
+    ]
+
+
+def test_a_transmission_error_is_drawn_in_micrometres_at_the_pitch_radius():
+    found = RESULT.transmission_error()
+    left, right = RESULT.plot.transmission_error().axes
+    radius = 12700.0 / (2.0 * np.sin(np.pi / 17))  # [um]
+    turned, error = curves(left)[0]
+    np.testing.assert_allclose(turned, 120.0 / 60.0 * RESULT.time, atol=1e-12)
+    np.testing.assert_allclose(error, radius * found["error"], rtol=1e-9)
+    order, amplitude = curves(right)[0]
+    np.testing.assert_array_equal(order, found["order"][1 : len(order) + 1])
+    assert order[-1] <= 4.5 * 17 < found["order"][len(order) + 1]
+    np.testing.assert_allclose(amplitude, radius * found["amplitude"][1 : len(order) + 1])
+    assert verticals(right) == [17.0, 34.0, 51.0, 68.0]
+
+
+def test_a_ripple_is_drawn_in_per_cent_beside_the_speed_and_its_mean():
+    found = RESULT.speed_ripple(2)
+    left, right = RESULT.plot.speed_ripple(2).axes
+    np.testing.assert_array_equal(curves(left)[0][1], RESULT.sprocket(2).speed)
+    np.testing.assert_array_equal(curves(left)[1][1], found.attrs["mean"])
+    order, amplitude = curves(right)[0]
+    np.testing.assert_allclose(amplitude, 100.0 * found["amplitude"][1 : len(order) + 1])
+
+
+def test_strands_are_drawn_in_millimetres_with_the_frequencies_of_teeth_and_string():
+    motion = RESULT.strand_motion("upper")
+    found = RESULT.strand_spectrum("upper", modes=5)
+    left, right = RESULT.plot.strand_spectrum("upper").axes
+    for axes in (left, RESULT.plot.strand_motion("lower", "upper").axes[1]):
+        for k, (_, outward) in enumerate(curves(axes).values()):
+            np.testing.assert_allclose(outward, 1e3 * motion[:, k], rtol=1e-12)
+    for k in range(3):
+        np.testing.assert_array_equal(curves(right)[k][1], found["density"][k])
+    teeth = np.arange(34.0, right.get_xlim()[1], 34.0)  # [Hz], of 17 teeth at 120 rpm
+    expected = [*found["natural_frequency"].to_numpy(), *teeth]
+    np.testing.assert_allclose(verticals(right), expected, rtol=1e-6)
+    assert [text.get_text() for text in right.texts] == [f" {k}" for k in range(1, 6)]
+
+
+def test_a_spectrum_of_more_than_eight_parts_is_their_mean():
+    (axes,) = RESULT.plot.spectrum("hinge_force").axes
+    expected = RESULT.spectrum("hinge_force").to_numpy().mean(axis=0)
+    np.testing.assert_allclose(curves(axes)["mean of all"][1], expected, rtol=1e-12)
+    (axes,) = RESULT.plot.spectrum("hinge_force", hinge=list(range(1, 9))).axes
+    assert list(curves(axes)) == [str(number) for number in range(1, 9)]
+
+
+def test_bars_of_a_power_balance_add_up_to_nothing():
+    """What shafts and other work put in is positive, what is lost and stored negative."""
+    found = RESULT.power_balance()
+    above, below = RESULT.plot.power_balance().axes
+    names = [label.get_text() for axes in (above, below) for label in axes.get_yticklabels()]
+    powers = [each.get_width() for axes in (above, below) for each in axes.patches]
+    drawn = dict(zip(names, powers, strict=True))
+    np.testing.assert_array_equal([drawn["sprocket 1"], drawn["sprocket 2"]], found["shaft_power"])
+    lost = {
+        f"lost: {name.replace('_', ' ')}": -each
+        for name, each in dict(
+            zip(found["channel"].values, found["loss"].values, strict=True)
+        ).items()
+    }
+    assert {name: drawn[name] for name in lost} == pytest.approx(lost)
+    assert drawn["stored"] == pytest.approx(-float(found["stored"].sum()))
+    assert sum(powers) == pytest.approx(0.0, abs=1e-9 * max(map(abs, powers)))
+
+
+def test_loads_are_drawn_as_mean_largest_and_band():
+    found = RESULT.tooth_loads(1, quantiles=(0.05, 0.95))
+    left, right = RESULT.plot.tooth_loads(1).axes
+    seen = np.isfinite(found["largest"].to_numpy())
+    for name in ("mean", "largest"):
+        direction, force = curves(left)[name]
+        np.testing.assert_allclose(direction, 360.0 / 68 * (np.arange(68) + 0.5)[seen])
+        np.testing.assert_array_equal(force, found[name][seen])
+    band = left.collections[0].get_paths()[0].vertices
+    for angle, ends in zip(direction, found["quantiles"][seen].to_numpy(), strict=True):
+        there = band[np.isclose(band[:, 0], angle), 1]
+        assert (there.min(), there.max()) == pytest.approx(tuple(ends))
+    np.testing.assert_array_equal(heights(right)[:17], found["tooth_largest"])
+    np.testing.assert_array_equal(heights(right)[17:], found["tooth_mean"])
+
+
+def test_the_ends_of_the_wrap_and_the_sections_of_the_path_are_marked():
+    """Half of 17 pitches of each sprocket, but for what the strands' ends take."""
+    for axes, number in zip(RESULT.plot.wrap_loads(1, 2).axes, (1, 2), strict=True):
+        wrap = RESULT.wrap_loads(number).attrs["wrap"]
+        assert wrap == pytest.approx(8.5, abs=0.01)
+        assert verticals(axes) == [0.0, wrap]
+    (axes,) = RESULT.plot.hinge_loads().axes
+    grey = [each.get_x() + np.array([0.0, each.get_width()]) for each in axes.patches]
+    sections = RESULT.hinge_loads()["section"].to_numpy()
+    for position, section in zip(
+        RESULT.hinge_loads()["position"].to_numpy(), sections, strict=True
+    ):
+        inside = any(low <= position < high for low, high in grey)
+        assert inside == section.startswith("sprocket")
+    for text in axes.texts:
+        x, _ = text.get_position()
+        assert sections[int(4 * x)] == text.get_text()
+
+
+@pytest.mark.parametrize("contact", ["hinge", "tooth"])
+def test_pressures_are_drawn_in_megapascals_and_cycles_of_a_range_or_more(contact):
+    found, cycles = RESULT.contact_pressure(contact), RESULT.pressure_cycles(contact)
+    left, right = RESULT.plot.contact_pressure(contact).axes
+    peak = found["peak_pressure"].to_numpy() / 1e6
+    np.testing.assert_allclose(curves(left)["largest of all"][1], peak.max(axis=1))
+    np.testing.assert_allclose(curves(left)["mean of all"][1], peak.mean(axis=1))
+    counted, largest = RESULT.plot.pressure_cycles(contact).axes
+    mean = cycles["cycles"].to_numpy().mean(axis=0)
+    for axes in (right, counted):
+        size, number = curves(axes)[0]
+        np.testing.assert_allclose(size, cycles["range"] / 1e6)
+        np.testing.assert_allclose(number, [mean[k:].sum() for k in range(20)], rtol=1e-9)
+    np.testing.assert_allclose(heights(largest), cycles["largest"] / 1e6)
+    part = RESULT.plot.contact_pressure(contact, start=0.01, end=0.012).axes[1]
+    expected = RESULT.pressure_cycles(contact, start=0.01, end=0.012)["range"] / 1e6
+    np.testing.assert_allclose(curves(part)[0][0], expected)
+
+
+def test_impulses_of_engagements_are_drawn_in_newton_milliseconds():
+    found = RESULT.engagements()
+    upper, lower = RESULT.plot.engagements().axes
+    for axes, column, scale in ((upper, "force", 1.0), (lower, "impulse", 1e3)):
+        drawn = [line.get_ydata() for line in axes.lines if len(line.get_ydata())]
+        for number, values in zip((1, 2), drawn, strict=True):
+            own = found[found["sprocket"] == number]
+            np.testing.assert_allclose(values, scale * own[column])
+
+
+def test_energies_are_drawn_in_millijoules_and_the_pretension_beside_the_tensions():
+    energy = RESULT.energy
+    upper, lower = RESULT.plot.energy().axes
+    expected = {
+        "dissipated": energy.dissipated,
+        "external work": energy.external_work,
+        "kinetic, change": energy.kinetic - energy.kinetic[0],
+        "gravity, change": energy.gravity - energy.gravity[0],
+        "elastic": energy.elastic,
+    }
+    for name, values in expected.items():
+        np.testing.assert_allclose(curves(upper)[name][1], 1e3 * values, atol=1e-12)
+    np.testing.assert_allclose(curves(lower)[0][1], 1e3 * energy.residual, atol=1e-15)
+    assert set(curves(RESULT.plot.tension().axes[0])["pretension"][1]) == {25.0}
+
+
+def test_contacts_are_drawn_in_micrometres():
+    for axes, number in zip(
+        RESULT.plot.force_penetration(6, 7, contact="hinge").axes, (6, 7), strict=True
+    ):
+        hinge = RESULT.hinge(number)
+        touching = hinge.force > 0.0
+        depth, force = curves(axes)[0]
+        np.testing.assert_allclose(depth, 1e6 * hinge.penetration[touching])
+        np.testing.assert_array_equal(force, hinge.force[touching])
+    (axes,) = RESULT.plot.force_penetration(6).axes
+    bushing, drawn = RESULT.bushing(6), curves(axes)
+    for name, regions in (("seating", (4,)), ("working", (3, 5))):
+        there = np.isin(bushing.region, regions) & (bushing.tooth_force > 0.0)
+        depth, force = drawn[name]
+        np.testing.assert_allclose(depth, 1e6 * bushing.tooth_penetration[there])
+        np.testing.assert_array_equal(force, bushing.tooth_force[there])
+    axes = RESULT.plot.orbit(6).axes[0]
+    path = axes.collections[0]
+    eccentricity = 1e6 * RESULT.hinge(6).eccentricity
+    np.testing.assert_allclose([each[0] for each in path.get_segments()], eccentricity[:-1])
+    force = RESULT.hinge(6).force
+    np.testing.assert_allclose(path.get_array(), (force[1:] + force[:-1]) / 2)
+    assert path.get_clim() == (0.0, force.max())
+    assert axes.patches[0].get_radius() == pytest.approx(25.0)  # bore 2.245 mm, pin 2.22 mm
+
+
 # --- what is not there is said
 
 
