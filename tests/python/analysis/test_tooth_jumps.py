@@ -3,6 +3,7 @@
 import re
 import warnings
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -298,6 +299,29 @@ def test_a_load_that_grows_with_speed_counts_at_the_highest_speed():
     pump = rc.AppliedTorque(curve=[(-20.0, 30.0), (0.0, 0.0), (20.0, -30.0)])
     (told,) = told_of_jumps(rc.AppliedTorque(20.0), pump, load_inertia=0.5)
     assert "the load of 20.0000 N m on sprocket 1" in told
+
+
+def test_a_stop_at_a_jump_names_the_first_new_one_of_its_sprocket():
+    told = [(0.05, 2), (0.1, 1), (0.2, 2), (0.3, 1)]
+
+    def watched(stop):
+        """Return what a stop says before and after the last three jumps."""
+        rows = [told[:1]]
+        core = SimpleNamespace(
+            tooth_jumps=lambda: (
+                *map(np.array, zip(*rows[-1], strict=True)),
+                np.zeros(len(rows[-1])),
+            )
+        )
+        look = stop.look_at(SimpleNamespace(drive=overloaded(), _core=core))
+        before = look()
+        rows.append(told)
+        return before, look()
+
+    first = "the chain jumped a tooth of sprocket 1 at 0.1 s"
+    assert watched(rc.ToothJump()) == (None, first)
+    assert watched(rc.ToothJump(1)) == (None, first)
+    assert watched(rc.ToothJump(2)) == (None, "the chain jumped a tooth of sprocket 2 at 0.2 s")
 
 
 @pytest.mark.parametrize(

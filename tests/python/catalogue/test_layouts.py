@@ -121,6 +121,62 @@ def test_what_rounds_to_zero_is_printed_without_a_sign():
     assert "smallest gap at the start 0.000 um" in text
 
 
+def test_a_report_has_lengths_in_millimetres_or_micrometres_and_angles_in_degrees():
+    """No two rows have the same numbers; half a pitch of 12.7 mm, 2 % longer, is to spare."""
+    drive = four_sprockets(adjust=2)
+    drive = replace(drive, chain=replace(drive.chain, elongation=0.02))
+    links, angles = drive.chain.links, [math.radians(k) for k in range(1, 5)]
+    report = replace(
+        drive.check(),
+        belt_pitches=links - 0.5,
+        hinge_stretch=1.5e-6,
+        start_gap=2.5e-6,
+        roller_play=3.5e-6,
+        center_distance=0.25,
+        closing_center_distance=0.26,
+        pitch_radius=(0.01, 0.02, 0.03, 0.04),
+        wrap_angle=tuple(angles),
+        belt_wrap_angle=tuple(10 * angle for angle in angles),
+        first_seat_angle=tuple(-angle for angle in angles),
+        phase=tuple(0.1 * angle for angle in angles),
+        strand_span=(0.1, 0.2, 0.3, 0.4),
+        strand_slack=(1e-6, 2e-6, 3e-6, 4e-6),
+        sag=(1e-3, 4e-3, 9e-3, 16e-3),
+        guide_gap=(5e-3, 6e-3),
+        guide_turn=(angles[0], 0.0),
+        guide_travel=((7e-3, 8e-3), (0.0, 0.0)),
+        guide_bushings=(3, 5),
+        guide_place=("strand 1-2", "sprocket 1"),
+    )
+    rows = dict(report.rows())
+    expected = {
+        "chain": f"{links} links of 12.7000 mm",
+        "  taut": f"{links - 0.5:.4f} pitches; 6.477 mm to spare",
+        "play of the rollers": "3.500 um",
+        "centre distance": "250.000000 mm",
+        "  taut and straight at": "260.000000 mm",
+        "hinge stretch": "1.500 um",
+        "smallest gap at the start": "2.500 um",
+        "pitch radius [mm]": ("10.0000", "20.0000", "30.0000", "40.0000"),
+        "wrap of these [deg]": ("1.000", "2.000", "3.000", "4.000"),
+        "wrap of the belt [deg]": ("10.000", "20.000", "30.000", "40.000"),
+        "first seat at [deg]": ("-1.000000", "-2.000000", "-3.000000", "-4.000000"),
+        "phase [deg]": ("0.100000", "0.200000", "0.300000", "0.400000"),
+        "span [mm]": ("100.0000", "200.0000", "300.0000", "400.0000"),
+        "slack [um]": ("1.000", "2.000", "3.000", "4.000"),
+        "sag [mm]": ("1.0000", "4.0000", "9.0000", "16.0000"),
+        "sag [% of span]": ("1.00", "2.00", "3.00", "4.00"),
+        "gap to the chain [mm]": ("5.0000", "6.0000"),
+        "bushings along it": ("3", "5"),
+        "arm swung by [deg]": ("1.000", ""),
+        "plunger to inner stop [mm]": ("7.000", ""),
+        "plunger to outer stop [mm]": ("8.000", ""),
+        "at": ("1-2", "sprocket 1"),
+    }
+    assert {name: rows[name] for name in expected} == expected
+    assert report.speed_ratio == pytest.approx(17 / 25)
+
+
 def test_strands_have_names_numbers_and_a_tension():
     result = rc.Simulation(four_sprockets(adjust=2)).run(
         duration=0.004, report_step=1e-3, record=["hinges", "sprockets", "bodies", "energy"]
