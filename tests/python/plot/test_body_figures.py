@@ -33,6 +33,33 @@ def names_in(figure):
     return [text.get_text() for each in legends if each for text in each.get_texts()]
 
 
+def test_bodies_and_joints_have_their_own_numbers_and_units():
+    result = rc.Simulation(slider_crank()).run(0.02, progress=False)
+    for quantity, way, turn in (
+        ("position", "x [m]", "angle [rad]"),
+        ("velocity", "velocity, x [m/s]", "velocity, angle [rad/s]"),
+        ("acceleration", "acceleration, x [m/s²]", "acceleration, angle [rad/s²]"),
+    ):
+        axes = result.plot.motion("rod", quantity=quantity).axes
+        assert (axes[0].get_ylabel(), axes[2].get_ylabel()) == (way, turn)
+        drawn = [each.lines[0].get_ydata() for each in axes]
+        np.testing.assert_array_equal(drawn, getattr(result.body("rod"), quantity).T)
+    path, end = result.plot.paths("crank").axes[0].lines
+    np.testing.assert_array_equal(path.get_xydata(), result.body("crank").position[:, :2])
+    # The crank of 52.36 rad/s has turned by a sixth of a revolution: 60 degrees.
+    np.testing.assert_allclose(end.get_xydata()[0], [0.0125, 0.025 * np.sqrt(0.75)], atol=1e-6)
+    upper, lower = result.plot.joint_loads("wrist pin", "motor").axes
+    force = result.joint("wrist pin").force
+    size = np.sqrt(force[:, 0] ** 2 + force[:, 1] ** 2)
+    np.testing.assert_allclose(upper.lines[0].get_ydata(), size, rtol=1e-12)
+    np.testing.assert_array_equal(lower.lines[1].get_ydata(), result.joint("motor").torque)
+    assert (upper.get_ylabel(), lower.get_ylabel()) == ("force [N]", "torque [N m]")
+    lines = result.plot.residuals().axes[0].lines
+    for line, rate in zip(lines, ("position", "velocity"), strict=True):
+        worst = np.max(result.array(f"joint_{rate}_residual"), axis=1)
+        np.testing.assert_array_equal(line.get_ydata(), np.maximum(worst, 1e-20))
+
+
 @pytest.mark.parametrize("draw", ["motion", "paths"])
 def test_of_a_drive_sprockets_and_one_link_are_drawn_by_default(draw):
     figure = getattr(RESULT.plot, draw)()
@@ -145,6 +172,10 @@ def test_a_contact_force_of_a_part_has_no_peak_from_before_it():
     view = result.contact("stop")
     row = int(np.argmax(view.peak_force))
     assert view.peak_force[row] > 2.0 * view.force[row]
+    (dots,) = result.plot.force_penetration("stop").axes[0].lines
+    touching = view.force > 0.0
+    np.testing.assert_allclose(dots.get_xdata(), 1e6 * view.penetration[touching])
+    np.testing.assert_array_equal(dots.get_ydata(), view.force[touching])
     figure = result.plot.contact_force("stop", start=result.time[row])
     largest = figure.axes[0].lines[0].get_ydata()
     assert largest[0] == view.force[row]

@@ -206,6 +206,29 @@ def test_losses_at_one_speed_or_one_load_are_curves(speeds, loads):
     assert told.get_text() == ("speed 20 rad/s" if len(speeds) == 1 else "load 2 N m")
 
 
+def test_a_map_of_losses_has_per_cent_and_watts_at_their_speeds_and_loads():
+    """Efficiency falls with the speed alone, from 98 to 96 %; losses grow with the load alone."""
+    speeds, torques = [10.0, 20.0, 30.0], [-4.0, -1.0]
+    losses = xr.Dataset(
+        {
+            "efficiency": (("speed", "torque"), [[0.98, 0.98], [0.97, 0.97], [0.96, 0.96]]),
+            "lost": (("speed", "torque"), [[40.0, 10.0]] * 3),
+        },
+        {"speed": speeds, "torque": torques},
+    )
+    left, right = draw_loss_map(losses).axes[:2]
+    titles = [axes.get_title("left") for axes in (left, right)]
+    assert titles == ["efficiency [%]", "power lost [W]"]
+    for axes, low, high, along in ((left, 96.0, 98.0, 0), (right, 10.0, 40.0, 1)):
+        filled = axes.collections[0]
+        assert (filled.zmin, filled.zmax) == pytest.approx((low, high))
+        best = filled.get_paths()[int(np.argmax(filled.layers))].vertices
+        assert best.mean(axis=0)[along] == pytest.approx((10.0, 4.0)[along], rel=0.15)
+        cases = sorted(tuple(dot) for line in axes.lines for dot in line.get_xydata())
+        assert cases == [(speed, load) for speed in speeds for load in (1.0, 4.0)]
+    assert (left.get_xlabel(), left.get_ylabel()) == ("speed of the driver [rad/s]", "load [N m]")
+
+
 def test_losses_are_drawn_over_speeds_in_order_and_negative_ones_to_the_right():
     for speeds in ([10.0, 30.0, 20.0], [-10.0, -30.0, -20.0]):
         lost = np.abs(speeds)[:, None]
@@ -220,13 +243,6 @@ def test_losses_are_drawn_over_speeds_in_order_and_negative_ones_to_the_right():
 def test_a_map_of_what_was_not_measured_is_refused():
     with pytest.raises(rc.InvalidInput, match="did you mean 'force'"):
         draw_map(campaign(), "forse")
-
-
-def test_an_orbit_is_coloured_by_the_force():
-    (pieces,) = RESULT.plot.orbit(6).axes[0].collections
-    force = RESULT.hinge(6).force
-    np.testing.assert_allclose(pieces.get_array(), 0.5 * (force[1:] + force[:-1]))
-    assert pieces.get_clim() == (0.0, force.max())
 
 
 def test_a_polar_load_stands_as_far_out_as_it_is_large():
