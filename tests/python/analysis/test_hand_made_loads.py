@@ -304,12 +304,12 @@ def test_loads_of_sprockets_that_are_none_name_the_last(in_gaps):
             in_gaps.tooth_loads(number)
 
 
-def laid(run, place, side, angle):
+def laid(run, place, side, angle, moved=0.0):
     """Return the result with a straight chain that passes the first guide at one side.
 
     The chain runs in the direction `angle`; the guide lies beside it, `place` links ahead of hinge
     1. Links 61 to 63 come to two pitches from the guide on its other side, and turn off. Hinge k is
-    the front of link k.
+    the front of link k. The chain has `moved` by so many pitches, as the first sprocket tells.
     """
     along = np.array([math.cos(angle), math.sin(angle)])
     across = np.array([-along[1], along[0]])
@@ -325,6 +325,7 @@ def laid(run, place, side, angle):
     turn = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
     poses[:LINKS, :2] = hinges - 0.5 * PITCH * turn
     poses[:LINKS, 2] = direction
+    poses[LINKS, 2] += moved * 2 * math.pi / 17
     start = {"positions": poses, "velocities": run.initial_velocities}
     given = {name: tuple(map(tuple, rows.tolist())) for name, rows in start.items()}
     return replace(run, scene=replace(run.scene, **given))
@@ -356,15 +357,17 @@ def on_guides(run):
     return made(run, MOVED, TIME, **stays, **arrays), arrays
 
 
-@pytest.mark.parametrize(("place", "angle"), [(26.4, 0.3), (25.8, 2.5), (3.2, -1.0)])
+@pytest.mark.parametrize(
+    ("place", "angle", "moved"), [(26.4, 0.3, 0.0), (25.8, 2.5, 1.7), (3.2, -1.0, -20.3)]
+)
 @pytest.mark.parametrize("per_pitch", [1, 4])
-def test_loads_of_a_guide_count_from_its_middle(on_guides, place, angle, per_pitch):
+def test_loads_of_a_guide_count_from_its_middle(on_guides, place, angle, moved, per_pitch):
     """The middle is the foot on the chain at the start; forces after a contact's end are its own.
 
     Half of 0.1 m is 3.94 pitches: four, and one and a half to either side.
     """
     result, arrays = on_guides
-    result = laid(result, place, 0.015, angle)
+    result = laid(result, place, 0.015, angle, moved)
     found = result.guide_loads("guide_1", bins_per_pitch=per_pitch, quantiles=(0.5, 1.0))
     force, peak, impulse = (array.copy() for array in arrays.values())
     for array in (force, peak, impulse):
@@ -372,7 +375,7 @@ def test_loads_of_a_guide_count_from_its_middle(on_guides, place, angle, per_pit
     members = defaultdict(list)
     for row in range(6):
         for k in range(LINKS):
-            along = MIDWAY[row] + k - place
+            along = MIDWAY[row] + k - place - moved
             along -= LINKS * round(along / LINKS)
             if -5.5 <= along < 5.5:
                 members[math.floor((along + 5.5) * per_pitch)].append((row, k))

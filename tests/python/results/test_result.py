@@ -1,6 +1,7 @@
 """What a run hands back: views, errors with a remedy, files, figures."""
 
 import copy
+import re
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -11,6 +12,7 @@ import pytest
 import rustchain as rc
 import rustchain.simulation.run as sizes
 from cores import CoreAround, cores_within
+from rustchain.results.channels import VARIABLES
 
 GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
 DURATION, REPORT_STEP = 6e-3, 1e-4
@@ -192,6 +194,30 @@ def test_a_file_of_others_is_refused(tmp_path):
         rc.load_result(tmp_path / "other.nc")
 
 
+# Unit by what a name ends in, or is.
+UNITS = {
+    r".*(force|tension)(_vector)?": "N",
+    r".*impulse": "N s",
+    r".*(penetration|eccentricity|center)|end_position|position": "m",
+    r".*onset_speed|velocity|(end|contact_impact)_velocity": "m/s",
+    "acceleration": "m/s^2",
+    r"(sprocket_)?angle": "rad",
+    "sprocket_speed|angular_velocity": "rad/s",
+    "angular_acceleration": "rad/s^2",
+    r".*torque": "N m",
+    r"energy_.*": "J",
+    r".*(index|region|gap|_sprocket|_residual)": "1",
+}
+
+
+def test_quantities_of_one_kind_have_one_unit():
+    for name, variable in VARIABLES.items():
+        for part, described, _ in variable.parts(name):
+            fit = [unit for names, unit in UNITS.items() if re.fullmatch(names, part)]
+            expected = ["J"] if name.startswith("energy_") else fit
+            assert [described.units] == expected, part
+
+
 def test_every_variable_of_the_dataset_has_unit_and_name(result):
     dataset = result.to_xarray()
     for variable in dataset.data_vars.values():
@@ -200,6 +226,8 @@ def test_every_variable_of_the_dataset_has_unit_and_name(result):
     assert dataset["time"].attrs["units"] == "s"
     force = dataset["hinge_force"].sel(hinge=6)
     np.testing.assert_array_equal(force, result.hinge(6).force)
+    force = dataset["tooth_force"].sel(bushing=6)
+    np.testing.assert_array_equal(force, result.bushing(6).tooth_force)
     np.testing.assert_array_equal(
         dataset["angle"].sel(body="sprocket_1"),
         result.array("positions")[:, 38, 2],

@@ -109,6 +109,27 @@ def test_sprockets_at_rest_start_with_other_speeds_and_paths_part(place):
     assert len(set(found["force"].to_numpy())) == 4
 
 
+def test_each_body_of_a_mechanism_starts_with_a_velocity_of_its_own():
+    """Every component differs by up to 1e-4 of itself, faster and slower; zeros remain."""
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    for k, velocity in enumerate([(1.0, -2.0, 3.0), (0.5, 0.0, -4.0)]):
+        mechanism.add_body(f"body {k}", 1.0, 0.1, (k, 0.0, 0.0), velocity)
+    with pytest.warns(rc.RustchainWarning, match="nothing connects"):
+        swept = rc.sweep(
+            mechanism,
+            {"replicate": range(41)},
+            lambda result: result.initial_velocities,
+            duration=1e-3,
+            progress=False,
+        )
+    first, others = swept.values[0], np.array(swept.values[1:])
+    changes = others[:, first != 0.0] / first[first != 0.0] - 1.0
+    assert (others[:, first == 0.0] == 0.0).all()
+    assert len(np.unique(changes)) == changes.size
+    assert 0.9e-4 < changes.max() < 1e-4
+    assert -1e-4 < changes.min() < -0.9e-4
+
+
 def test_a_study_made_again_has_the_same_numbers(study):
     again = rc.study(PAPER, strand_mean, runs=4, axes={"pretension": [0.0, 50.0]}, **SHORT)
     assert again.samples.equals(study.samples)
