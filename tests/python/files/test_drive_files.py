@@ -455,6 +455,24 @@ def test_every_class_of_description_can_be_written(tmp_path, place, kind):
     assert isinstance(scene.drive.tensioner, rc.Tensioner)
 
 
+@pytest.mark.parametrize("ending", ["toml", "json"])
+def test_a_written_scene_is_read_back_with_every_character_and_every_bit(tmp_path, ending):
+    """DEL is the control character that TOML forbids and JSON takes."""
+    drive = rc.two_sprocket_drive(teeth=(17, 25), links=60, speed=1.0 / 3.0, torque=-0.1 - 0.2)
+    name = 'a\x7f\x01\t\n"b" \\ # \' \u2028 \u00e9'
+    scene = rc.Scene(dataclasses.replace(drive, name=name, gravity=(1e-300, -9.81 - 2e-15)))
+    path = tmp_path / f"scene.{ending}"
+    rc.save_scene(scene, path)
+    assert rc.load_scene(path) == scene
+    assert str(rc.load_scene(path).drive.name) == name
+
+
+def test_the_smallest_impact_velocity_has_its_former_name_too(tmp_path):
+    path = tmp_path / "drive.toml"
+    path.write_text('[drive]\ntype = "paper_drive"\n[simulation]\nmin_approach_speed = 2e-3\n')
+    assert rc.load_scene(path).min_impact_velocity == 2e-3
+
+
 def test_the_page_has_every_class_and_every_field():
     public = [getattr(rc, name) for name in rc.__all__]
     classes = [each for each in public if isinstance(each, type) and issubclass(each, Description)]
