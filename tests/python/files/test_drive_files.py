@@ -101,7 +101,16 @@ def test_a_chain_in_a_table_has_the_links_of_its_drive(tmp_path):
         text = COUNTED.format(maker="chain_drive", links=given, own="seed = 3")
         return rc.load_scene(written(tmp_path, text)).drive.chain
 
+    def worn(given, elongations):
+        own = f"elongation = {elongations}"
+        text = COUNTED.format(maker="chain_drive", links=given, own=own)
+        return rc.load_scene(written(tmp_path, text)).drive.chain
+
     counted = rc.chain_drive("ANSI 40", [rc.Sprocket(17), rc.Sprocket(25, (0.4, 0.0))]).chain
+    fitting = [1e-3 * (k % 2) for k in range(counted.links)]
+    assert worn("", fitting).elongation == tuple(fitting)
+    with pytest.raises(rc.InvalidInput, match=f"elongation.*{counted.links}"):
+        worn("", fitting[2:])
     assert links("").links == counted.links != 100
     assert links("").seed == 3
     assert links("links = 90").links == 90

@@ -157,7 +157,7 @@ def test_the_default_measures_are_the_summary():
         ({"runs": 2.5}, "runs = 2.5"),
         ({"confidence": 95}, "between 0 and 1"),
         ({"burn_in": 0.01}, "less than the duration"),
-        ({"axes": {"duration": [1e-3]}, "runs": 2}, "less than the duration, 0.001"),
+        ({"axes": {"duration": [9e-3, 1e-3, 8e-3]}, "runs": 2}, "less than the duration, 0.001"),
         ({"axes": {"replicate": [1]}}, "runs="),
         ({"axes": [{"pretension": 1}]}, "sequences of values"),
         ({"axes": {"pretensoin": [1]}}, "did you mean 'pretension'"),
