@@ -148,10 +148,14 @@ def _series(result: Result, rows: slice) -> tuple[list[str], list[str], Array]:
         tensions = result.array("strand_tension")[rows].T
         for name, tension in zip(result.strand_names, tensions, strict=True):
             found[f"tension of strand {name}"] = "N", tension
+    # The peaks of rows that are left out belong to the next one.
+    kept = np.arange(rows.start, rows.stop, rows.step)
+    first = np.append(rows.start, kept[:-1] + 1)
     for part in ("hinge", "tooth", "joint", "contact"):
         largest = result.arrays.get(f"peak_{part}_force")
         if largest is not None and largest.size:
-            found[f"largest {part} force"] = "N", largest[rows].max(axis=1)
+            peaks = largest[: kept[-1] + 1].max(axis=1)
+            found[f"largest {part} force"] = "N", np.maximum.reduceat(peaks, first)
     if not found:
         speed = np.linalg.norm(result.array("velocities")[rows][..., :2], axis=2)
         found["largest speed of a body"] = "m/s", speed.max(axis=1)
