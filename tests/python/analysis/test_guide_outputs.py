@@ -92,8 +92,19 @@ def test_engagements_of_a_guide_are_asked_for_by_its_name(result):
 
 
 def test_figures_of_guides_strands_and_cycles(result):
+    loads = result.plot.guide_loads(1, "guide_2")
+    for number, (left, right) in enumerate(zip(loads.axes[::2], loads.axes[1::2], strict=True), 1):
+        found = result.guide_loads(number)
+        assert left.get_ylabel() == f"guide {number}, force of a bushing [N]"
+        seen = found.dropna("position", subset=["largest"])
+        drawn = {line.get_label(): line.get_xydata().T for line in left.lines}
+        for name in ("mean", "largest"):
+            np.testing.assert_array_equal(drawn[name], [seen["position"], seen[name]])
+        force, mean = (line.get_ydata() for line in right.lines)
+        np.testing.assert_array_equal(force, found["force"])
+        assert set(mean) == {found.attrs["mean_force"]}
     figures = [
-        result.plot.guide_loads(1, "guide_2"),
+        loads,
         result.plot.strand_motion("lower", "upper"),
         result.plot.pressure_cycles("tooth", bins=10),
         result.plot.pressure_cycles("tooth", 1),

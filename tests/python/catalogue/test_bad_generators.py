@@ -108,6 +108,14 @@ def test_teeth_that_cannot_be_are_refused_when_the_drive_is_made(change, words):
         replace(DRIVE, sprockets=[rc.Sprocket(**wrong), DRIVE.sprockets[1]])
 
 
+def test_links_are_counted_with_the_mean_of_their_elongations():
+    """A single new link in a chain that is 3 % longer, which takes two links less."""
+    sprockets = [rc.Sprocket(17), rc.Sprocket(25, (0.4, 0.0))]
+    count = rc.chain_drive("ANSI 40", sprockets).chain.links - 2
+    worn = replace(rc.catalogue_chain("ANSI 40", count), elongation=(0.0, *[0.03] * (count - 1)))
+    assert rc.chain_drive(worn, sprockets).chain == worn
+
+
 def test_elongations_of_another_number_of_links_are_refused():
     with pytest.raises(rc.InvalidInput, match="one for each of the 38 links"):
         replace(DRIVE.chain, elongation=(0.0, 0.001, 0.002))

@@ -124,7 +124,7 @@ def test_a_gif_has_its_frames_and_they_move(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("fps", "delay", "frames"), [(30.0, 30, 14), (60.0, 20, 20), (1e3, 20, 20)]
+    ("fps", "delay", "frames"), [(15.0, 70, 6), (30.0, 30, 14), (60.0, 20, 20), (1e3, 20, 20)]
 )
 def test_a_gif_keeps_its_slow_motion_at_the_nearest_delay_it_can_have(tmp_path, fps, delay, frames):
     path = tmp_path / "run.gif"
