@@ -96,7 +96,9 @@ TORQUE = (
         [(0.0, 0.0), (0.5, -2000.0)],
         rc.Table([(0.0, 0.0), (0.5, 2000.0)]),
         rc.Sines([(500.0, 25.0, 0.0)], offset=-1500.0),
+        rc.Sines([(300.0, 25.0, 0.0), (-200.0, 50.0, 0.0)], offset=-1500.0),
         rc.SmoothStep(0.1, 0.2, before=0.0, after=2000.0),
+        rc.SmoothStep(0.1, 0.2, before=-2000.0, after=0.0),
     ],
 )
 def test_a_torque_at_which_the_chain_breaks_is_told(torque):

@@ -1,5 +1,7 @@
 """Runs that end before their time: stop conditions, and callbacks at the rows."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -84,6 +86,12 @@ def test_a_time_is_that_of_the_simulation_and_the_first_of_several_conditions_co
     result = simulation.run(DURATION, progress=False, stop=conditions)
     assert result.time[-1] == pytest.approx(4e-3)
     assert result.message == "stopped at t = 0.004 s: reached 0.004 s"
+
+
+def test_a_time_is_reached_to_rounding():
+    look = rc.TimeReached(0.3).look_at
+    for time, said in ((np.nextafter(0.3, 0.0), "reached 0.3 s"), (0.3 - 1e-9, None)):
+        assert look(SimpleNamespace(time=time))() == said
 
 
 def test_a_stopped_simulation_goes_on_as_if_it_had_never_stopped(whole):

@@ -237,9 +237,10 @@ def test_a_loss_map_holds_the_balances_of_single_runs():
 
 def test_a_loss_map_with_a_report_step_beyond_what_is_measured_is_refused_before_a_run(monkeypatch):
     monkeypatch.setattr("rustchain.sweeps.sweep.run_here", lambda *_: pytest.fail("it ran"))
-    said = "report_step = 1e+300: must be at most the time that is measured, 0.3 s; take a smaller"
-    with pytest.raises(rc.InvalidInput, match=re.escape(said)):
-        rc.loss_map(PAPER, [10.0], [-1.0], report_step=1e300)
+    for step in (0.31, 1e300):
+        said = f"report_step = {step}: must be at most the time that is measured, 0.3 s; take a sm"
+        with pytest.raises(rc.InvalidInput, match=re.escape(said)):
+            rc.loss_map(PAPER, [10.0], [-1.0], report_step=step)
 
 
 @pytest.mark.parametrize("measures", [("upper",), ()])

@@ -318,6 +318,10 @@ def test_a_field_of_one_law_changes_the_law_of_the_case():
         (rc.Johnson(friction=rc.Coulomb(0.1)), rc.Johnson()),
         (rc.Hertz(friction=rc.Coulomb(0.1)), rc.Hertz()),
     ]
+    own = rc.Scene(PAPER, force_law=rc.Johnson(), hinge_law=rc.Hertz())
+    axes = {"hinge_law.friction": [rc.Coulomb(0.1)]}
+    swept = rc.sweep(own, axes, lambda r: (r.hinge_law, r.tooth_law), duration=1e-4)
+    assert swept.values == [(rc.Hertz(friction=rc.Coulomb(0.1)), rc.Johnson())]
 
 
 def test_the_other_name_of_a_keyword_is_a_parameter():
