@@ -62,8 +62,9 @@ def test_inputs_in_another_unit_are_told_with_field_value_and_remedy(drive, says
         assert told in [str(warning.message) for warning in caught]
 
 
-def test_a_long_conveyor_is_usual():
-    drive = rc.two_sprocket_drive("ANSI 240", (20, 20), center_distance=150.0)
+@pytest.mark.parametrize(("chain", "distance"), [("ANSI 240", 150.0), ("ANSI 40", 80.0)])
+def test_a_long_conveyor_is_usual(chain, distance):
+    drive = rc.two_sprocket_drive(chain, (20, 20), center_distance=distance)
     assert not [text for text in drive.check().warnings if "millimetres" in text]
 
 

@@ -107,6 +107,7 @@ def test_the_ends_of_the_run_are_kept(result):
         (lambda r: r.hinge(0), "hinges are numbered 1 to 38"),
         (lambda r: r.hinge(39), "hinges are numbered 1 to 38"),
         (lambda r: r.bushing(-1), "bushings are numbered 1 to 38"),
+        (lambda r: r.end(1), "end 1: there is none"),
         (lambda r: r.sprocket(3), "sprockets are numbered 1 to 2"),
     ],
 )
