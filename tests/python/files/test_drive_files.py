@@ -235,6 +235,8 @@ OF_FORCE = "expected one; add " + " or ".join(
         ("teeth = 25", "teeth = 3", 22, "drive.sprockets.2: Sprocket.teeth = 3: must be between"),
         ("teeth = 25", "teth = 25", 22, "drive.sprockets.2.teth: unknown key; did you "),
         ("teeth = 25", "teeth = '25'", 22, "drive.sprockets.2.teeth: '25': must be an integer"),
+        ("teeth = 25", "teeth = true", 22, "drive.sprockets.2.teeth: True: must be an integer"),
+        ("accuracy = 1e-9", "accuracy = true", 34, "solver.accuracy: True: must be a number"),
         ("teeth = 25", "", 21, "drive.sprockets.2: 'teeth' is missing"),
         ('"outside"', '"outsde"', 30, "sprockets.3.side: 'outsde': must be 'inside' or 'outside'"),
         ("[0.35, -0.05]", "[0.35]", 23, "Sprocket.center = (0.35,): must be two numbers"),

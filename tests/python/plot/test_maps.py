@@ -174,6 +174,11 @@ def test_a_study_names_its_axes_with_units_and_its_lines_above_the_panels(study)
     for axes in figure.axes:
         assert axes.get_xlabel() == "pretension [N]"
         assert [bars.lines[0].get_color() for bars in axes.containers] == list(CYCLE[:2])
+        found = study.statistics[axes.get_title("left")]
+        for k, bars in enumerate(axes.containers):
+            ends = [piece[:, 1] for piece in bars.lines[2][0].get_segments()]
+            expected = found.isel(speed=k).sel(statistic=["low", "high"])
+            np.testing.assert_allclose(ends, expected, atol=1e-12)
     figure.draw_without_rendering()
     (legend,) = figure.legends
     assert not any(legend.get_window_extent().overlaps(axes.bbox) for axes in figure.axes)

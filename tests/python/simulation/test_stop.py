@@ -204,6 +204,33 @@ def test_conditions_of_mechanisms_look_at_the_joints_of_ideal_hinges():
     assert never.status == "finished"
 
 
+@pytest.mark.parametrize(
+    ("condition", "part"), [(rc.JointForceAbove, "joint"), (rc.ContactForceAbove, "contact")]
+)
+def test_a_force_equal_to_the_limit_is_not_above_it(condition, part):
+    forces = {f"peak_{part}_force": np.array([9.0, 5.0, 5.25])}
+    simulation = SimpleNamespace(
+        _core=SimpleNamespace(last_row=forces.get), **{f"{part}_names": ("a", "b", "c")}
+    )
+    for name, expected in (
+        (None, f"{part} 'a' had a force of 9 N, above 5 N"),
+        ("b", None),
+        ("c", f"{part} 'c' had a force of 5.25 N, above 5 N"),
+    ):
+        assert condition(5.0, name).look_at(simulation)() == expected
+    drive = SimpleNamespace(hinge_count=3, ends=None, chain=SimpleNamespace(links=3))
+    for of_drive, channel, one in (
+        (rc.HingeForceAbove, "peak_hinge_force", "hinge 3"),
+        (rc.ToothForceAbove, "peak_tooth_force", "bushing 3"),
+    ):
+        core = SimpleNamespace(last_row={channel: np.array([9.0, 5.0, 5.25])}.get)
+        simulation = SimpleNamespace(drive=drive, _core=core)
+        assert of_drive(5.0, 2).look_at(simulation)() is None
+        said = f"{one} had a force of 5.25 N, above 5 N"
+        assert of_drive(5.0, 3).look_at(simulation)() == said
+        assert of_drive(9.0).look_at(simulation)() is None
+
+
 def test_conditions_of_mechanisms_say_what_drives_want_instead():
     for condition, instead in (
         (rc.JointForceAbove(1.0), "HingeForceAbove"),
