@@ -79,7 +79,7 @@ def numbers_of_drive_row(drive: ChainDrive, groups: Sequence[str], energy: bool)
     """Return how many numbers a row of the result of a drive has, about."""
     links, sprockets = drive.hinge_count, len(drive.sprockets)
     rollers = 0 if drive.chain.roller is None else links
-    each = {"hinges": 10 * links, "teeth": 9 * links, "sprockets": 5 * sprockets}
+    each = {"hinges": 10 * links + 9 * rollers, "teeth": 9 * links, "sprockets": 5 * sprockets}
     each["bodies"] = 6 * (links + rollers + sprockets + len(drive.guides))
     return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 

@@ -370,6 +370,22 @@ def test_more_rows_than_memory_holds_are_refused():
     assert simulation.time == 0.0
 
 
+@pytest.mark.parametrize("kind", ["clearance", "rollers", "ideal", "mechanism"])
+@pytest.mark.parametrize("record", [("hinges",), ("bodies", "hinges", "teeth", "sprockets")])
+def test_the_size_of_a_row_is_what_its_arrays_take(kind, record):
+    drive = rc.paper_drive(
+        25.0,
+        rollers="bodies" if kind == "rollers" else "fixed",
+        hinges="ideal" if kind == "ideal" else "clearance",
+    )
+    scene = drive.to_mechanism() if kind == "mechanism" else drive
+    record = ("bodies", "joints", "contacts") if kind == "mechanism" else record
+    simulation = rc.Simulation(scene)
+    arrays = simulation.run(2e-4, record=record, energy=False, progress=False).arrays
+    taken = sum(array[0].nbytes for array in arrays.values())
+    assert 8 * sizes.numbers_of_a_row(simulation, record, False) == pytest.approx(taken, rel=0.25)
+
+
 def test_rows_leave_some_of_the_memory_to_others(monkeypatch):
     simulation = rc.Simulation(rc.paper_drive())
     size = 8 * sizes.numbers_of_a_row(simulation, ["teeth"], False)
