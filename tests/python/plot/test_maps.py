@@ -175,6 +175,12 @@ def test_a_study_names_its_axes_with_units_and_its_lines_above_the_panels(study)
         assert axes.get_xlabel() == "pretension [N]"
         assert [bars.lines[0].get_color() for bars in axes.containers] == list(CYCLE[:2])
         found = study.statistics[axes.get_title("left")]
+        runs = study.samples[axes.get_title("left")]
+        dots = [line.get_xydata() for line in axes.lines if len(line.get_xydata()) == 4]
+        for k, one in enumerate(dots):
+            of_speed = runs.isel(speed=k).transpose("pretension", "run").to_numpy()
+            expected = [(p, v) for p, row in zip((0.0, 25.0), of_speed, strict=True) for v in row]
+            np.testing.assert_allclose(one, expected)
         for k, bars in enumerate(axes.containers):
             ends = [piece[:, 1] for piece in bars.lines[2][0].get_segments()]
             expected = found.isel(speed=k).sel(statistic=["low", "high"])

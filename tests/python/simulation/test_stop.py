@@ -79,6 +79,25 @@ def test_a_strand_is_not_slack_before_it_has_been_tight(whole):
     assert stopped(rc.StrandSlack(2 * tension.max())).status == "finished"
 
 
+@pytest.mark.parametrize(("limit", "tight"), [(0.0, 1e-300), (2.0, 2.5)])
+def test_a_strand_is_slack_from_the_first_row_without_more_than_the_limit(limit, tight):
+    """The upper strand becomes tight at 1 ms, slack at 2 ms, tight for a row, and slack again."""
+    told = []
+    for lasting in (0.0, 2e-3):
+        rows = []
+        core = SimpleNamespace(last_row=lambda _, rows=rows: rows[-1])
+        simulation = SimpleNamespace(drive=rc.paper_drive(), time=0.0, _core=core)
+        look = rc.StrandSlack(limit, lasting=lasting).look_at(simulation)
+        for k, upper in enumerate([limit, tight, limit, limit, tight, limit, limit, limit]):
+            simulation.time = 1e-3 * k
+            rows.append((upper, limit))
+            if said := look():
+                told.append((k, said))
+    assert [k for k, _ in told] == [2, 3, 5, 6, 7, 7]
+    assert {said.partition(" is slack")[0] for _, said in told} == {"strand 'upper'"}
+    assert told[-1][1].startswith("strand 'upper' is slack for 0.002 s: its tension is ")
+
+
 def test_a_time_is_that_of_the_simulation_and_the_first_of_several_conditions_counts():
     simulation = start()
     simulation.step_to(2e-3)

@@ -109,6 +109,19 @@ def test_sprockets_at_rest_start_with_other_speeds_and_paths_part(place):
     assert len(set(found["force"].to_numpy())) == 4
 
 
+@pytest.mark.parametrize("speed", [20.0, -20.0])
+def test_a_sprocket_starts_by_a_share_of_its_speed_faster_or_slower_whatever_its_sign(speed):
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, speed=speed)
+    axes = {"replicate": range(41)}
+    swept = rc.sweep(
+        drive, axes, lambda r: r.initial_velocities[-1, 2], duration=1e-4, progress=False
+    )
+    assert swept.values[0] == pytest.approx(speed * 17 / 25)
+    changes = np.array(swept.values[1:]) / swept.values[0] - 1.0
+    assert 0.9e-4 < changes.max() < 1e-4
+    assert -1e-4 < changes.min() < -0.9e-4
+
+
 def test_each_body_of_a_mechanism_starts_with_a_velocity_of_its_own():
     """Every component differs by up to 1e-4 of itself, faster and slower; zeros remain."""
     mechanism = rc.Mechanism(gravity=(0.0, 0.0))
@@ -157,6 +170,7 @@ def test_the_default_measures_are_the_summary():
         ({"runs": 2.5}, "runs = 2.5"),
         ({"confidence": 95}, "between 0 and 1"),
         ({"burn_in": 0.01}, "less than the duration"),
+        ({"burn_in": 8e-3}, "less than the duration"),
         ({"axes": {"duration": [9e-3, 1e-3, 8e-3]}, "runs": 2}, "less than the duration, 0.001"),
         ({"axes": {"replicate": [1]}}, "runs="),
         ({"axes": [{"pretension": 1}]}, "sequences of values"),
