@@ -107,6 +107,14 @@ def test_engagements_are_the_onsets_after_the_first_row(engaged):
         assert one["impulse"] == pytest.approx(sum(number + 0.01 * 2.0**row for row in rows))
 
 
+def test_a_bushing_in_the_wrap_at_the_first_row_of_a_part_begins_with_its_next_gap(engaged):
+    """At the start of a run it is not in contact; of a part, its first gap is an old episode."""
+    part = replace(engaged, arrays=engaged.arrays | {"time": engaged.time + 1.0})
+    for result, gaps in ((engaged, [4, 5]), (part, [5])):
+        found = result.engagements()
+        assert list(found["tooth"][found["bushing"] == 1]) == gaps
+
+
 def test_engagements_of_one_sprocket_or_guide_are_asked_for(engaged):
     for asked, bushings in ((1, [1, 1, 7]), (2, [3]), (3, [2, 4]), ("guide_2", [5])):
         assert sorted(engaged.engagements(asked)["bushing"]) == bushings
