@@ -157,6 +157,11 @@ def test_impacts_that_are_over_before_a_row_belong_to_the_engagement(run):
         assert (former["time"], former["largest_force"]) == (pytest.approx(0.2), 70.0)
         assert former["pitches"] == pytest.approx(0.75 * (7 - 2))
         assert len(result.engagements(start=2.3)) == 0  # the onset is in the interval before
+        alone = np.where(np.arange(rows)[:, None] == 22, 0.0, peak)  # a flight of 6.75 pitches
+        result = replace(result, arrays=result.arrays | {"peak_tooth_force": alone})
+        _, found = result.engagements().to_dict("records")
+        assert (found["time"], found["force"]) == (pytest.approx(2.6), 3.0)
+        assert found["largest_force"] == 8.0
 
 
 def random_forces(run, pitches, time, part, **arrays):

@@ -116,6 +116,13 @@ def test_links_are_counted_with_the_mean_of_their_elongations():
     assert rc.chain_drive(worn, sprockets).chain == worn
 
 
+def test_goods_on_links_beyond_the_first_hundred_stay_where_links_are_counted():
+    chain = replace(rc.catalogue_chain("ANSI 40", 200), carried=[(150, 0.5)])
+    drive = rc.chain_drive(chain, [rc.Sprocket(17), rc.Sprocket(25, (1.0, 0.0))])
+    assert drive.chain.links > 150
+    assert drive.chain.carried == ((150, 0.5),)
+
+
 def test_elongations_of_another_number_of_links_are_refused():
     with pytest.raises(rc.InvalidInput, match="one for each of the 38 links"):
         replace(DRIVE.chain, elongation=(0.0, 0.001, 0.002))

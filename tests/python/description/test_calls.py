@@ -16,6 +16,7 @@ import call_table
 import calls
 import rustchain as rc
 import wild_values
+from rustchain.arguments import count_within
 
 SEED, COUNT = 20, 300  # some seconds; `python tests/stress/calls.py` makes thousands
 
@@ -168,12 +169,22 @@ def test_a_number_that_no_float_is_exactly_is_refused(value):
         rc.Material(elastic_modulus=value)
 
 
+def test_a_count_may_be_the_least_and_the_largest():
+    for count in (2, np.int64(5)):
+        assert count_within("runs", count, 2, 5) == count
+    for count in (1, 6, 2.0, True):
+        with pytest.raises(rc.InvalidInput, match="runs = .*: must be a whole number from 2 to 5"):
+            count_within("runs", count, 2, 5)
+
+
 def test_a_masked_value_is_no_value():
     masked = np.ma.masked_invalid([0.0, 25.0, np.nan])
     for value in (masked[2], np.ma.masked, masked):
         with pytest.raises(rc.InvalidInput, match=r"pretension.* = masked"):
             rc.paper_drive(pretension=value)
     assert rc.paper_drive(pretension=masked[1]).tensioner is not None
+    with pytest.raises(rc.InvalidInput, match=r"rpm\(speed\): got masked_array"):
+        rc.rpm(np.ma.masked_array([1.0, 2.0], mask=[False, True]))
     axes = {"pretension": masked}
     with pytest.warns(rc.CaseWarning, match="1 of 3 cases failed.*pretension = masked"):
         rc.sweep(rc.paper_drive, axes, duration=1e-4, progress=False)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import rustchain as rc
+from rustchain.description.plausibility import implausible_inputs
 
 DRIVE = rc.paper_drive(25.0)
 CHAIN = DRIVE.chain
@@ -280,6 +281,21 @@ def test_parts_of_mechanisms_in_another_unit_are_told(says):
     assert not mechanism.check().warnings
     getattr(mechanism, call)("d", "ground", "arm", **given)
     assert [text for text in mechanism.check().warnings if text.startswith(says)]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_states_of_bodies_in_another_unit_are_told_whatever_their_sign(sign):
+    for state, says in (
+        ({"position": (sign * 300.0, 0.0, 0.0)}, "position of body 'arm' = "),
+        ({"position": (0.0, sign * 300.0, 0.0)}, "position of body 'arm' = "),
+        ({"position": (0.0, 0.0, sign * 90.0)}, "position of body 'arm', its angle = "),
+        ({"velocity": (0.0, 0.0, sign * 1e5)}, "velocity of body 'arm', its rate of turning = "),
+    ):
+        mechanism = a_joined_body()
+        (body,) = mechanism.bodies
+        moved = replace(mechanism, bodies=[replace(body, **state)], joints=[])
+        told = implausible_inputs(rc.Scene(moved))
+        assert [text.startswith(says) for text in told] == [True], told
 
 
 def test_wound_springs_hoists_and_long_outlines_are_usual():
