@@ -173,7 +173,7 @@ def test_a_count_may_be_the_least_and_the_largest():
     for count in (2, np.int64(5)):
         assert count_within("runs", count, 2, 5) == count
     for count in (1, 6, 2.0, True):
-        with pytest.raises(rc.InvalidInput, match="runs = .*: must be a whole number from 2 to 5"):
+        with pytest.raises(rc.InvalidInput, match=r"runs = .*: must be a whole number from 2 to 5"):
             count_within("runs", count, 2, 5)
 
 
