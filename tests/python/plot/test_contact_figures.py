@@ -51,8 +51,11 @@ def test_the_most_loaded_contacts_are_those_with_the_largest_force_between_rows(
 
 
 @pytest.mark.parametrize("part", ["hinge", "tooth"])
-@pytest.mark.parametrize("start", [None, 0.02])
-def test_the_largest_force_between_rows_is_drawn(part, start):
+@pytest.mark.parametrize("whole", [True, False])
+def test_the_largest_force_between_rows_is_drawn(part, whole):
+    above = RESULT.array(f"peak_{part}_force")[:, 19] - RESULT.array(f"{part}_force")[:, 19]
+    assert above.max() > 1.0  # [N]
+    start = None if whole else RESULT.time[above.argmax()]
     rows = RESULT.time >= (start or 0.0)
     figure = getattr(RESULT.plot, f"{part}_force")(20, start=start)
     (line,) = (each for each in figure.axes[0].get_lines() if each.get_label() == "largest")
