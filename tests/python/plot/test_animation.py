@@ -261,3 +261,12 @@ def test_the_slow_motion_is_told_in_digits():
     drawn = canvas.Canvas(RESULT.animate(slow_motion=5000.0))
     drawn.draw(0.01)
     assert drawn.clock.get_text() == "t = 10.00 ms, 5000 times slower"
+
+
+def test_points_of_a_body_turn_counterclockwise_with_it():
+    poses = np.array([[1.0, 2.0, np.pi / 2], [0.0, 0.0, np.pi]])
+    corner = np.array([[3.0, 0.5]])
+    expected = [[0.5, 5.0], [-3.0, -0.5]]
+    np.testing.assert_allclose(shapes.placed(poses, corner)[:, 0], expected, atol=1e-12)
+    forces = shapes.Forces("hinge", "hinge_force_vector", (0, 1), np.repeat(corner, 2, axis=0))
+    np.testing.assert_allclose(shapes.force_points(forces, poses), expected, atol=1e-12)
