@@ -94,6 +94,7 @@ def test_hinges_are_where_they_were_on_the_way_after_a_jump_of_the_first_sprocke
 
 
 def test_a_saved_result_keeps_its_tooth_jumps(jumped, tmp_path):
+    assert jumped[0].to_xarray()["jump_time"].attrs["units"] == "s"
     result, _ = jumped
     result.save(tmp_path / "jumped.nc")
     found = rc.load_result(tmp_path / "jumped.nc")

@@ -49,7 +49,7 @@ def test_bodies_and_joints_have_their_own_numbers_and_units():
     # The crank of 52.36 rad/s has turned by a sixth of a revolution: 60 degrees.
     np.testing.assert_allclose(end.get_xydata()[0], [0.0125, 0.025 * np.sqrt(0.75)], atol=1e-6)
     upper, lower = result.plot.joint_loads("wrist pin", "motor").axes
-    force = result.joint("wrist pin").force
+    force = result.array("joint_reaction")[:, 2, :2]  # of the third joint
     size = np.sqrt(force[:, 0] ** 2 + force[:, 1] ** 2)
     np.testing.assert_allclose(upper.lines[0].get_ydata(), size, rtol=1e-12)
     np.testing.assert_array_equal(lower.lines[1].get_ydata(), result.joint("motor").torque)

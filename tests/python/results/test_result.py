@@ -13,6 +13,7 @@ import rustchain as rc
 import rustchain.simulation.run as sizes
 from cores import CoreAround, cores_within
 from rustchain.results.channels import VARIABLES
+from rustchain.results.values import equal
 
 GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
 DURATION, REPORT_STEP = 6e-3, 1e-4
@@ -395,6 +396,18 @@ def test_rows_leave_some_of_the_memory_to_others(monkeypatch):
         rc.InvalidInput, match=r"gives 810 rows .* memory has .* GiB for them: take 1\.0"
     ):
         simulation.run(8.1e-3, 1e-5, record=["teeth"], energy=False, progress=False)
+
+
+def test_values_are_equal_where_type_and_every_number_are():
+    nan = np.array([0.0, np.nan])
+    assert equal({"a": (nan, ValueError("b"))}, {"a": (nan.copy(), ValueError("b"))})
+    for one, other in (
+        (np.zeros(2), np.zeros(2, int)),
+        (np.zeros(2), np.array([0.0, 5e-324])),
+        (ValueError("a"), ValueError("b")),
+        (ValueError("a"), TypeError("a")),
+    ):
+        assert not equal(one, other)
 
 
 def test_two_equal_runs_are_equal_whatever_time_they_took():

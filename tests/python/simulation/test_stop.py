@@ -144,6 +144,12 @@ def test_truth_values_of_numpy_stop_too(truth):
     assert len(start().run(DURATION, progress=False, callback=lambda _: truth).time) == 1
 
 
+@pytest.mark.parametrize("answer", [1, "yes", [0.0], np.ones(1, bool)])
+def test_what_only_counts_as_true_stops_no_run(answer):
+    run = start().run(2e-4, progress=False, callback=lambda _: answer)
+    assert run.status == "finished"
+
+
 def test_what_a_callback_raises_keeps_the_rows_and_the_simulation():
     simulation = start()
 

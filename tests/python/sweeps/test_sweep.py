@@ -324,6 +324,13 @@ def test_a_field_of_one_law_changes_the_law_of_the_case():
     assert swept.values == [(rc.Hertz(friction=rc.Coulomb(0.1)), rc.Johnson())]
 
 
+def test_a_chain_by_its_name_has_the_links_of_the_drive_and_warnings_are_those_of_a_run():
+    axes = {"chain": ["ANSI 40"], "gravity": [(0.0, -9810.0)]}
+    with pytest.warns(rc.RustchainWarning, match="gravity = 9810 m"):
+        swept = rc.sweep(PAPER, axes, lambda r: r.drive.chain.links, duration=1e-4)
+    assert swept.values == [38]
+
+
 def test_the_other_name_of_a_keyword_is_a_parameter():
     axes = {"min_approach_speed": [1e-3, 2e-3]}
     swept = rc.sweep(PAPER, axes, lambda r: r.min_impact_velocity, duration=1e-4)
