@@ -234,11 +234,15 @@ def test_what_ffmpeg_says_is_told(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_300_frames_of_the_papers_drive_take_less_than_20_s(tmp_path):
-    start = time.process_time()
-    film = RESULT.animate(tmp_path / "run.gif", slow_motion=300 / 25 / 0.02)
-    assert film.frame_count == 300
-    assert time.process_time() - start < 20.0
+def test_a_frame_takes_less_than_a_third_of_the_time_of_a_film_of_one(tmp_path):
+    def film(frames):
+        start = time.process_time()
+        made = RESULT.animate(tmp_path / "run.gif", slow_motion=frames / 25 / 0.02)
+        assert made.frame_count == frames
+        return time.process_time() - start
+
+    film(1)  # which loads the libraries
+    assert film(300) < 100 * min(film(1), film(1))
 
 
 def test_a_view_has_its_width_where_the_scene_is_tall():

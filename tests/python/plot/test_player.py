@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import time
 import zlib
 from dataclasses import replace
 
@@ -191,23 +190,25 @@ def test_a_notebook_shows_the_player_in_a_frame():
 
 @pytest.mark.slow
 def test_twenty_thousand_rows_are_fluent_and_small(tmp_path):
-    """Two seconds of the paper's drive: a frame takes less than 1/20 s, also without a GPU."""
+    """Two seconds of the paper's drive: a frame takes no longer than one of 0.02 s."""
     result = rc.Simulation(rc.paper_drive(25.0)).run(duration=2.0, record=RECORD, progress=False)
-    path = tmp_path / "long.html"
-    result.animate(path)
     assert len(result.time) == 20_001
-    assert path.stat().st_size < 15e6
-    with opened(path) as page:
-        ready(page)
-        start, frames = time.monotonic(), 60
-        page.evaluate(
-            """async (frames) => {
-              document.querySelector(".player button").click();
-              for (let k = 0; k < frames; k++) await new Promise(requestAnimationFrame);
-            }""",
-            frames,
-        )
-        assert (time.monotonic() - start) / frames < 0.05
+    spans = {}
+    for rows, end in ((200, 0.02), (20_000, 2.0)):
+        path = tmp_path / f"{rows}.html"
+        result.animate(path, end=end)
+        assert path.stat().st_size < 15e6
+        with opened(path) as page:
+            ready(page)
+            spans[rows] = page.evaluate(
+                """async () => {
+                  document.querySelector(".player button").click();
+                  const start = performance.now();
+                  for (let k = 0; k < 60; k++) await new Promise(requestAnimationFrame);
+                  return performance.now() - start;
+                }""",
+            )
+    assert spans[20_000] < 3.0 * spans[200]
 
 
 def test_a_force_of_zero_is_zero_in_a_page():

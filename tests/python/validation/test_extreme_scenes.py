@@ -170,12 +170,16 @@ def test_a_chain_a_thousand_times_too_long_is_refused_before_its_links_are_fitte
     plain = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60)
     first = replace(plain.sprockets[0], eccentricity=5e-5)
     chain = replace(plain.chain, links=60_000, pitch_spread=1e-5)
-    drive = replace(plain, chain=chain, sprockets=(first, plain.sprockets[1]))
-    begin = time.process_time()
-    with pytest.raises(rc.InvalidInput, match="would bow out"):
-        drive.check()
-    # 34 s when the links were fitted for each of the 12 rotations of the wheels.
-    assert time.process_time() - begin < 10.0
+    spans = []
+    for wheel in (plain.sprockets[0], first):
+        drive = replace(plain, chain=chain, sprockets=(wheel, plain.sprockets[1]))
+        begin = time.process_time()
+        with pytest.raises(rc.InvalidInput, match="would bow out"):
+            drive.check()
+        spans.append(time.process_time() - begin)
+    # 34 s with the eccentric wheel when the links were fitted for each of its 12 rotations.
+    centred, eccentric = spans
+    assert eccentric < 4.0 * centred
 
 
 def test_a_heavy_chain_under_little_tension_comes_to_rest():
