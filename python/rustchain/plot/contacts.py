@@ -137,8 +137,9 @@ class ContactFigures(Figures):
     def orbit(self, *hinges: Count, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the path of a pin's centre in its bushing, coloured by the force between the two.
 
-        The dotted circle shows the contact onset. One scale of colours holds for all hinges. By
-        default the two most loaded ones are drawn, by the largest force between rows.
+        The dotted circle shows the contact onset; a pin at rest is a point. One scale of colours
+        holds for all hinges. By default the two most loaded ones are drawn, by the largest force
+        between rows.
 
         Raises
         ------
@@ -161,8 +162,8 @@ class ContactFigures(Figures):
             drawn = LineCollection(list(pieces), cmap="viridis", linewidth=1.0, array=force)
             drawn.set_clim(0.0, largest or 1.0)
             axes.add_collection(drawn)
-            if len(path) == 1:  # no line, but a marker
-                axes.plot(*path.T, color=drawn.to_rgba(view.force[rows][0]))
+            if np.ptp(path, axis=0).max() < 0.01 * reach:  # a line too short to be seen
+                axes.plot(*path[-1:].T, color=drawn.to_rgba(view.force[rows][-1]))
             axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, color=GREY, linestyle=":"))
             axes.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
             axes.set_title(f"pin {number} in its bushing")

@@ -125,3 +125,16 @@ def test_titles_and_labels_of_orbits_are_inside_the_figure(hinges, start):
     drawn, (width, height) = figure.get_tightbbox(), figure.get_size_inches()
     assert 0.0 < drawn.x0 < drawn.x1 < width
     assert 0.0 < drawn.y0 < drawn.y1 < height
+
+
+def test_a_pin_at_rest_in_its_bushing_is_a_marker_in_the_colour_of_its_force():
+    ends = rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(2.0)
+    scene = rc.Scene(rc.open_chain("ANSI 40", ends, links=10), start="static")
+    result = rc.Simulation(scene).run(1e-3, record=("hinges",), progress=False)
+    upper, lower, _ = result.plot.orbit(1, 9).axes
+    for axes, number in ((upper, 1), (lower, 9)):
+        (dot,) = axes.get_lines()
+        np.testing.assert_array_equal(
+            np.ravel(dot.get_data()), 1e6 * result.hinge(number).eccentricity[-1]
+        )
+    assert upper.get_lines()[0].get_color() != lower.get_lines()[0].get_color()
