@@ -50,6 +50,16 @@ def test_an_overloaded_drive_jumps_teeth_as_often_as_its_sprockets_get_out_of_st
     assert np.abs(lag - nearer - counted)[settled].max() < 0.3
 
 
+@pytest.mark.filterwarnings("ignore::rustchain.ToothJumpWarning")
+def test_a_file_that_is_written_in_pieces_has_each_tooth_jump_once(jumped, tmp_path):
+    out = tmp_path / "run.nc"
+    keywords = {"report_step": 2e-4, "record": RECORD, "out": out, "memory": "4 MB"}
+    streamed = simulation().run(0.5, **keywords)
+    for result in (streamed, rc.load_result(out)):
+        for column, expected in zip(result.jumps, jumped[0].jumps, strict=True):
+            np.testing.assert_array_equal(column, expected)
+
+
 def test_a_run_warns_once_of_its_tooth_jumps(jumped):
     result, caught = jumped
     told = [str(w.message) for w in caught if w.category is rc.ToothJumpWarning]
