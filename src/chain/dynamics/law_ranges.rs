@@ -19,7 +19,8 @@ impl Dynamics {
     /// Record the first joint and the first tooth contact beyond the end of their law at the end of a step.
     pub(super) fn note_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
-        if self.joints_have_an_end() && self.past_ranges.hinge.is_none() {
+        // Bushings in rollers have the law of the hinges.
+        if model.hinges.law.elastic.has_an_end() && self.past_ranges.hinge.is_none() {
             let hinges = self.kernels.hinge_depths(model);
             let rollers = self.kernels.roller_depths(model);
             self.past_ranges.hinge = self.joint_past_its_end(hinges, rollers);
@@ -39,26 +40,21 @@ impl Dynamics {
 
     /// Record the same for the last evaluation, that of a report of `request`: penetrations inside a step may exceed those at its ends.
     pub(crate) fn note_reported_ranges(&mut self, request: OutputRequest) {
-        if request.hinges && self.joints_have_an_end() && self.past_ranges.hinge.is_none() {
+        let model = &self.model;
+        if request.hinges
+            && model.hinges.law.elastic.has_an_end()
+            && self.past_ranges.hinge.is_none()
+        {
             let (hinges, rollers) = (
                 &self.evaluated.hinges.penetration,
                 &self.evaluated.rollers.penetration,
             );
             self.past_ranges.hinge = self.joint_past_its_end(hinges, rollers);
         }
-        if request.teeth
-            && self.past_ranges.tooth.is_none()
-            && self.model.teeth.law.elastic.has_an_end()
+        if request.teeth && model.teeth.law.elastic.has_an_end() && self.past_ranges.tooth.is_none()
         {
             self.past_ranges.tooth = self.tooth_past_its_end();
         }
-    }
-
-    /// Return whether the law of hinges, or that of bushings in rollers, has an end.
-    fn joints_have_an_end(&self) -> bool {
-        let rollers = self.model.rollers.as_ref();
-        self.model.hinges.law.elastic.has_an_end()
-            || rollers.is_some_and(|rollers| rollers.law.elastic.has_an_end())
     }
 
     /// Return a message on the first hinge, or bushing in its roller, beyond the end of its law. A law without an end has an infinite one.
