@@ -70,7 +70,9 @@ def header_of(path: Path) -> Header:
         found = {name: file[name] for name in JUMPS if name in file}
         complete = min((dataset.shape[0] for dataset in found.values()), default=0)
         jumps = {name: dataset[:complete] for name, dataset in found.items()}
-        return Header(attributes, arrays, constants | jumps, json.loads(text) if text else None)
+        # Zeros behind it: the process was killed before all of it was written.
+        end = json.loads(text) if text and not text.endswith(b"\0") else None
+        return Header(attributes, arrays, constants | jumps, end)
 
     return _opened(path, read)
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 import weakref
+from itertools import pairwise
 from types import SimpleNamespace
 
 import h5py
@@ -119,6 +120,82 @@ def test_tooth_jumps_are_in_the_file(tmp_path):
     assert len(result.tooth_jumps) == 0
     with h5py.File(tmp_path / "run.nc") as file:
         assert file["jump_time"].shape == (0,)
+
+
+def test_each_tooth_jump_is_once_in_a_file_of_several_pieces(tmp_path):
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", (17, 25), links=60, speed=20, torque=-10, pretension=50
+    )
+    law = rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
+    run = {"duration": 0.5, "report_step": 1e-3, "record": ("teeth",), "progress": False}
+    path = tmp_path / "run.nc"
+    with pytest.warns(rc.ToothJumpWarning):
+        result = rc.Simulation(drive, law).run(**run, out=path, memory="1 MB")
+    jumps = rc.load_result(path).tooth_jumps
+    assert len(jumps) >= 2
+    assert jumps.equals(result.tooth_jumps)
+    assert jumps["time"].is_monotonic_increasing
+    with h5py.File(path, "r+") as file:  # as a kill between two columns leaves it
+        file["jump_direction"].resize(1, axis=0)
+    assert rc.load_result(path).tooth_jumps.equals(result.tooth_jumps[:1])
+
+
+def test_a_file_has_whole_rows_whenever_its_process_is_killed(tmp_path, monkeypatch):
+    path, resize, states = tmp_path / "run.nc", h5py.Dataset.resize, []
+
+    def resized(dataset, *arguments, **keywords):
+        resize(dataset, *arguments, **keywords)
+        dataset.file.flush()
+        if path.exists():
+            states.append(path.read_bytes())
+
+    monkeypatch.setattr(h5py.Dataset, "resize", resized)
+    run = {"duration": 0.03, "report_step": 1e-4, "progress": False}
+    SCENES["mechanism"]().run(**run, out=path, memory=LITTLE["mechanism"])
+    expected = SCENES["mechanism"]().run(**run)
+    lengths = []
+    for content in states:
+        path.write_bytes(content)
+        try:
+            found = rc.load_result(path)
+        except rc.InvalidInput:  # no row has been written
+            lengths.append(0)
+            continue
+        assert found.status == "interrupted"
+        lengths.append(len(found.time))
+        for name in found.arrays:
+            whole = expected.arrays[name][: len(found.time)]
+            np.testing.assert_array_equal(found.arrays[name], whole, err_msg=name)
+    assert lengths == sorted(lengths)
+    assert len(set(lengths)) > 3
+    assert lengths[-1] == len(expected.time)
+
+
+def test_rows_that_not_every_array_has_are_left_out(streamed, tmp_path):
+    path, result = streamed
+    shutil.copyfile(path, tmp_path / "run.nc")
+    with h5py.File(tmp_path / "run.nc", "r+") as file:
+        file["tooth_force"].resize(len(result.time) - 3, axis=0)
+    loaded = rc.load_result(tmp_path / "run.nc")
+    for name in ("time", "hinge_force", "tooth_force"):
+        np.testing.assert_array_equal(loaded.arrays[name], result.arrays[name][:-3])
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
+def test_room_for_each_piece_is_kept_before_it_is_written(tmp_path, monkeypatch):
+    kept, reserve = [], os.posix_fallocate
+
+    def reserved(file, offset, size):
+        kept.append((offset, offset + size))
+        reserve(file, offset, size)
+
+    monkeypatch.setattr(os, "posix_fallocate", reserved)
+    run = {"duration": 0.03, "report_step": 1e-5, "record": ALL_OF_A_DRIVE, "progress": False}
+    rc.Simulation(rc.paper_drive()).run(**run, out=tmp_path / "run.nc", memory="40 MB")
+    assert len(kept) >= 3
+    for (_, room), (end, _) in pairwise(kept):
+        assert end <= room
+    assert (tmp_path / "run.nc").stat().st_size <= kept[-1][1]
 
 
 @pytest.fixture(scope="module")
@@ -330,6 +407,25 @@ def test_a_run_that_cannot_go_on_leaves_its_rows_in_the_file(tmp_path):
     assert loaded.message == "ZeroDivisionError()"
     assert loaded.time[-1] == pytest.approx(0.015, abs=1e-4)
     same(failed.value.result, loaded)
+
+
+@pytest.mark.parametrize("after", [0.015, 0.0299])
+def test_a_file_that_another_program_replaced_keeps_every_byte(after, tmp_path):
+    path = tmp_path / "run.nc"
+    content = bytes(range(256)) * 100
+
+    def another(simulation):
+        if simulation.time > after and path.stat().st_size != len(content):
+            path.rename(tmp_path / "moved.nc")
+            path.write_bytes(content)
+
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
+    with pytest.raises(OSError, match="was replaced or removed while the run wrote it"):
+        rc.Simulation(rc.paper_drive()).run(**run, out=path, callback=another)
+    assert path.read_bytes() == content
+    moved = rc.load_result(tmp_path / "moved.nc")
+    assert moved.status == "interrupted"
+    assert len(moved.time) >= 256
 
 
 def test_a_file_that_another_run_replaced_is_left_to_it(tmp_path):
