@@ -23,10 +23,10 @@ from rustchain.sweeps.case_run import is_of_user
 def digest_of(value: object) -> str:
     """Return a hash of a value that is the same in every process, 32 hexadecimal digits.
 
-    The hash of a Python function covers code, defaults and the values of a closure. It also covers
-    numbers, text, functions and classes that the code refers to by name or as an attribute of a
-    module. That of an object covers its class, with the methods and values of it, too. Code of
-    rustchain, Python and installed packages counts by its name.
+    The hash of a Python function covers code, names of arguments, defaults, attributes and the
+    values of a closure. It also covers numbers, text, functions and classes that the code refers
+    to by name or as an attribute of a module. That of an object covers its class, with the methods
+    and values of it, too. Code of rustchain, Python and installed packages counts by its name.
 
     Raises
     ------
@@ -110,6 +110,11 @@ def _code(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
         return ["partial", *(_part(v, seen) for v in (value.func, value.args, value.keywords))]
     if isinstance(value, types.MethodType):
         return ["method", _part(value.__func__, seen), _part(value.__self__, seen)]
+    # Such as that of a dict or a pattern; a function of a module counts by its name.
+    if isinstance(value, types.BuiltinFunctionType) and not isinstance(
+        value.__self__, types.ModuleType | None
+    ):
+        return ["method", value.__name__, _part(value.__self__, seen)]
     if isinstance(value, types.FunctionType):
         return ["function", *_function(value, seen)]
     if isinstance(value, property):
@@ -118,7 +123,9 @@ def _code(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
         return ["property", _part(value.func, seen)]
     if isinstance(value, types.CodeType):
         consts = [_part(each, seen) for each in value.co_consts]
-        return ["code", value.co_name, value.co_code.hex(), list(value.co_names), consts]
+        arguments = value.co_varnames[: value.co_argcount + value.co_kwonlyargcount]
+        names = [list(value.co_names), list(arguments)]
+        return ["code", value.co_name, value.co_code.hex(), value.co_flags, *names, consts]
     if isinstance(value, types.ModuleType):
         return ["module", value.__name__]
     if isinstance(value, type) and seen.has(value):
@@ -162,7 +169,7 @@ def _object(value: Any, seen: _Seen) -> list[Any]:  # noqa: ANN401
 
 
 def _function(function: types.FunctionType, seen: _Seen) -> list[Any]:
-    """Return name, code, defaults, closure, and what the code refers to."""
+    """Return name, code, defaults, closure, what the code refers to, and attributes."""
     inside = seen.inside(function.__module__)
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     counting = {
@@ -177,7 +184,7 @@ def _function(function: types.FunctionType, seen: _Seen) -> list[Any]:
     return [
         *(module, function.__qualname__),
         *(_part(each, inside) for each in parts),
-        _part(of_modules, inside._replace(foreign=True)),
+        *(_part(each, inside._replace(foreign=True)) for each in (of_modules, vars(function))),
     ]
 
 

@@ -3,6 +3,7 @@
 import copy
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -14,6 +15,7 @@ import rustchain.simulation.run as sizes
 from cores import CoreAround, cores_within
 from rustchain.results.channels import VARIABLES
 from rustchain.results.values import equal
+from rustchain.results.views import Peaks
 
 GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
 DURATION, REPORT_STEP = 6e-3, 1e-4
@@ -24,6 +26,13 @@ ROWS = 61
 def result():
     simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
     return simulation.run(DURATION, REPORT_STEP, record=GROUPS, progress=False)
+
+
+def test_peaks_are_the_arrays_of_their_names():
+    peaks = Peaks(SimpleNamespace(array=lambda name: name))
+    names = [name for name, value in vars(Peaks).items() if isinstance(value, property)]
+    assert len(names) == 10
+    assert [getattr(peaks, name) for name in names] == [f"peak_{name}" for name in names]
 
 
 @pytest.fixture(scope="module")

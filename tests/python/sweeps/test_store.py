@@ -6,7 +6,8 @@ import os
 import subprocess
 import sys
 import types
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -157,8 +158,9 @@ def test_a_damaged_file_is_run_again(tmp_path):
     files = sorted(tmp_path.iterdir())
     files[0].write_bytes(files[0].read_bytes()[:-200])
     files[1].write_bytes(b"")
+    rc.Simulation(PAPER).run(1e-3, progress=False).save(files[2])  # no case
     again, ran = counted(PAPER, AXES, Counted(), store=tmp_path, **SHORT)
-    assert ran == 2
+    assert ran == 3
     assert_same(first, again)
     assert counted(PAPER, AXES, Counted(), store=tmp_path, **SHORT)[1] == 0
 
@@ -245,6 +247,27 @@ def test_an_executor_that_breaks_leaves_no_failures_in_the_store(tmp_path):
     with pytest.raises(RuntimeError, match="after shutdown"):
         rc.sweep(PAPER, AXES, Counted(), store=tmp_path, executor=closed, **SHORT)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("told", ["a process has ended", "cannot pickle this"])
+def test_a_case_that_an_executor_loses_is_not_stored_as_failed(told, tmp_path):
+    class Loses(ThreadPoolExecutor):
+        def submit(self, *arguments, **keywords):
+            if len(list(tmp_path.iterdir())) < 2:
+                return super().submit(*arguments, **keywords)
+            lost = Future()
+            lost.set_exception(BrokenExecutor(told))
+            return lost
+
+    cases = {"pretension": [0.0, 25.0, 50.0]}
+    with Loses(1) as executor:
+        rc.sweep(PAPER, {"pretension": [0.0, 25.0]}, Counted(), store=tmp_path, **SHORT)
+        with pytest.warns(rc.CaseWarning, match="1 of 3 cases failed"):
+            found = rc.sweep(PAPER, cases, Counted(), store=tmp_path, executor=executor, **SHORT)
+    assert told in str(found.errors[2])
+    assert len(list(tmp_path.iterdir())) == 2
+    again, ran = counted(PAPER, cases, Counted(), store=tmp_path, **SHORT)
+    assert (again.success, ran) == (True, 1)
 
 
 def test_warnings_of_stored_cases_are_told_again(tmp_path):
@@ -352,6 +375,49 @@ def test_two_functions_of_one_code_are_the_same_and_any_change_is_another():
 
     assert digest_of(again)
     assert digest_of(np.arange(3.0)) != digest_of(np.arange(3))
+    assert digest_of([1]) != digest_of((1,))
+
+
+def test_values_that_differ_in_one_thing_have_other_identities():
+    laws = (rc.Johnson(), rc.HertzCylinder(), rc.Radzimovsky(), rc.Esdu78035(), rc.LiuConformal())
+    arrays = [np.zeros(shape, kind) for shape in (4, (2, 2)) for kind in (float, int)]
+    arrays += [np.array([0.0, 0.0, 0.0, 1.0])]
+    signed = [replace(PAPER, gravity=(zero, -9.8)) for zero in (0.0, -0.0)]
+    values = [*laws, *arrays, *signed, {"a": 1}, {"b": 1}, b"a", b"b", slice(1), slice(2)]
+    methods = [np.random.default_rng(seed).normal for seed in (1, 2)]
+    methods += [[3].count, [4].count, [4].index]
+    partial = [functools.partial(max, *values, key=key) for values in ((1,), (2,)) for key in "ab"]
+    values += [*methods, *partial, np.sin, np.cos, len, max, Own, Timed]
+    assert len({digest_of(value) for value in values}) == len(values)
+
+
+def test_another_version_or_format_is_another_case(tmp_path, monkeypatch):
+    for name in ("rustchain.__version__", "rustchain.sweeps.store.FORMAT", None):
+        found, ran = counted(PAPER, {"rtol": [1e-5]}, Counted(), store=tmp_path, **SHORT)
+        assert (found.success, ran) == (True, 1)
+        if name is not None:
+            monkeypatch.setattr(name, "other")
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new"),
+    [
+        ("f = {1: 'a'}.get\ndef measure(r): return f(r)", "'a'", "'b'"),
+        ("import re\nf = re.compile('a').search\ndef measure(r): return f(r)", "'a'", "'b'"),
+        ("def measure(r): return measure.limit\nmeasure.limit = 1", "= 1", "= 2"),
+        ("def f(*v): return max(v)\ndef measure(r): return f(r)", "*v", "v"),
+        ("def f(a, b): return a - b\ndef measure(r): return f(a=r, b=1)", "a, b", "b, a"),
+        ("def f(a): return f.g(a)\nf.g = lambda a: a + 1\nmeasure = f", "+ 1", "+ 2"),
+    ],
+)
+def test_methods_of_values_arguments_and_attributes_of_functions_count(text, old, new):
+    def digest(text):
+        space = {"__name__": "somewhere"}
+        exec(text, space)
+        return digest_of(space["measure"])
+
+    assert digest(text) == digest(text)
+    assert digest(text) != digest(text.replace(old, new))
 
 
 OF_CLASSES = """
