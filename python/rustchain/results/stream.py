@@ -286,7 +286,10 @@ class Stream:
         if self._closed:
             return
         self._write(take(_ALL), jumps())
-        text = json.dumps(end(self.largest_residual)).encode()
+        about = dict(end(self.largest_residual))
+        if self._error is not None and about["status"] != "failed":  # rows are missing
+            about |= {"status": "failed", "message": repr(self._error)}
+        text = json.dumps(about).encode()
         try:
             self._check_ours()
             self._reserve(len(text))

@@ -167,6 +167,8 @@ class Recording:
         except OSError:
             if status != "failed":
                 raise
+            if energy:
+                stats["largest_residual"] = self._stream.largest_residual
             self._end = status, message, stats
         return self._result_of(self._stream.arrays(), *self._end)
 

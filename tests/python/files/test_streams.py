@@ -1,5 +1,6 @@
 """Runs that write their rows while they go on: same bits, little memory, nothing lost."""
 
+import errno
 import json
 import os
 import pickle
@@ -426,6 +427,29 @@ def test_a_file_that_another_program_replaced_keeps_every_byte(after, tmp_path):
     moved = rc.load_result(tmp_path / "moved.nc")
     assert moved.status == "interrupted"
     assert len(moved.time) >= 256
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
+@pytest.mark.parametrize("piece", [2, 3])
+def test_a_file_without_its_last_pieces_is_not_of_a_finished_run(piece, tmp_path, monkeypatch):
+    reserve, kept = os.posix_fallocate, []
+
+    def full_once(file, offset, size):  # for a piece; the end, which is short, has room
+        kept.append(size)
+        if len(kept) == piece:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        reserve(file, offset, size)
+
+    monkeypatch.setattr(os, "posix_fallocate", full_once)
+    path = tmp_path / "run.nc"
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
+    with pytest.raises(OSError, match=r"No space left.*its first \d+ rows are in") as failed:
+        rc.Simulation(rc.paper_drive()).run(**run, out=path)
+    loaded = rc.load_result(path)
+    assert loaded.status == "failed"
+    assert "No space left" in loaded.message
+    assert len(loaded.time) == 256 * (piece - 1)
+    same(failed.value.result, loaded)
 
 
 def test_a_file_that_another_run_replaced_is_left_to_it(tmp_path):

@@ -249,6 +249,13 @@ def test_an_executor_that_breaks_leaves_no_failures_in_the_store(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_case_without_a_start_is_not_stored_as_failed(tmp_path):
+    scene = rc.Scene(PAPER, start="static")
+    with pytest.warns(rc.CaseWarning, match="1 of 2 cases failed.*does not come to rest"):
+        rc.sweep(scene, FAILING, Counted(), store=tmp_path, duration=1e-4, progress=False)
+    assert len(list(tmp_path.iterdir())) == 1
+
+
 @pytest.mark.parametrize("told", ["a process has ended", "cannot pickle this"])
 def test_a_case_that_an_executor_loses_is_not_stored_as_failed(told, tmp_path):
     class Loses(ThreadPoolExecutor):
