@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import types
+import warnings
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -277,15 +278,25 @@ def test_a_case_that_an_executor_loses_is_not_stored_as_failed(told, tmp_path):
     assert (again.success, ran) == (True, 1)
 
 
-def test_warnings_of_stored_cases_are_told_again(tmp_path):
+def no_measure(result):
+    raise LookupError("not there")
+
+
+@pytest.mark.parametrize("measure", [Counted(), None, no_measure])
+def test_warnings_of_stored_cases_are_told_again(measure, tmp_path):
     drive = rc.two_sprocket_drive(chain="ANSI 160", teeth=(17, 17), links=38)
     for _ in range(2):
-        with pytest.warns(rc.RangeWarning, match="1 of 1 cases"):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
             found = rc.sweep(
-                rc.Scene(drive, rc.EnhancedCylinder()), {"speed": [5.0]}, Counted(), duration=1e-4,
+                rc.Scene(drive, rc.EnhancedCylinder()), {"speed": [5.0]}, measure, duration=1e-4,
                 store=tmp_path, progress=False,
             )  # fmt: skip
+        told = [str(w.message) for w in caught if w.category is rc.RangeWarning]
+        assert len(told) == 1
+        assert "1 of 1 cases" in told[0]
         assert list(found.law_warnings) == [0]
+        assert rc.load_sweep(tmp_path).law_warnings == found.law_warnings
 
 
 def test_studies_and_loss_maps_have_stores_too(tmp_path):
@@ -409,6 +420,7 @@ def test_another_version_or_format_is_another_case(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("text", "old", "new"),
     [
+        ("def measure(r): return r.peaks", "peaks", "energy"),
         ("f = {1: 'a'}.get\ndef measure(r): return f(r)", "'a'", "'b'"),
         ("import re\nf = re.compile('a').search\ndef measure(r): return f(r)", "'a'", "'b'"),
         ("def measure(r): return measure.limit\nmeasure.limit = 1", "= 1", "= 2"),
@@ -417,7 +429,7 @@ def test_another_version_or_format_is_another_case(tmp_path, monkeypatch):
         ("def f(a): return f.g(a)\nf.g = lambda a: a + 1\nmeasure = f", "+ 1", "+ 2"),
     ],
 )
-def test_methods_of_values_arguments_and_attributes_of_functions_count(text, old, new):
+def test_names_methods_of_values_arguments_and_attributes_of_functions_count(text, old, new):
     def digest(text):
         space = {"__name__": "somewhere"}
         exec(text, space)
@@ -452,6 +464,10 @@ class Measure(Base):
     def half(self):
         return 0.5
 
+    @functools.cached_property
+    def third(self):
+        return 0.75
+
 class Helper:
     @staticmethod
     def two(result):
@@ -484,6 +500,7 @@ part = functools.partial(cached)
         ("instance", "[1.0, 2.0]", "[1.0, 2.5]"),
         ("instance", "result + 1", "result + 10"),
         ("instance", "return 0.5", "return 0.25"),
+        ("instance", "return 0.75", "return 0.7"),
         ("bound", "result + 1", "result + 10"),
         ("bound", "factor = 2.0", "factor = 3.0"),
         ("holds", "result + 4", "result + 40"),
