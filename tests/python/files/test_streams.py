@@ -22,7 +22,9 @@ from typer.testing import CliRunner
 
 import rustchain as rc
 from rustchain.cli.app import app
+from rustchain.results import netcdf
 from rustchain.results.stored import is_streamed
+from rustchain.results.stream import Stream
 
 ALL_OF_A_DRIVE = ("hinges", "teeth", "sprockets", "bodies", "energy")
 PIECE = "10 MB"  # of the rows of the paper's drive: 256 rows at once
@@ -172,6 +174,25 @@ def test_a_file_has_whole_rows_whenever_its_process_is_killed(tmp_path, monkeypa
     assert lengths[-1] == len(expected.time)
 
 
+def test_a_run_goes_on_when_its_rows_have_been_taken(tmp_path, monkeypatch):
+    append, taken = Stream.append, []
+
+    def slowly_taken(stream, take, jumps):
+        def slow():
+            time.sleep(0.05)
+            rows = take()
+            taken.append(rows)
+            return rows
+
+        before = len(taken)
+        append(stream, slow, jumps)
+        assert len(taken) == before + 1
+
+    monkeypatch.setattr(Stream, "append", slowly_taken)
+    SCENES["ideal"]().run(**RUNS["ideal"], out=tmp_path / "run.nc", memory="2 MB", progress=False)
+    assert taken
+
+
 def test_rows_that_not_every_array_has_are_left_out(streamed, tmp_path):
     path, result = streamed
     shutil.copyfile(path, tmp_path / "run.nc")
@@ -296,13 +317,21 @@ def test_programs_that_read_netcdf_read_a_streamed_file(streamed):
     np.testing.assert_array_equal(end["positions"], result.final_positions)
 
 
-def test_a_file_is_read_while_its_run_goes_on(tmp_path):
+def test_a_file_is_read_while_its_run_goes_on(tmp_path, monkeypatch):
     path = tmp_path / "run.nc"
-    seen = []
+    seen, attempts = [], []
+
+    def in_a_piece_at_first(work, given):
+        attempts.append(given)
+        if len(attempts) < 3:
+            raise OSError("half of an index")
+        return work(given)
 
     def look(simulation):
         if simulation.time > 0.02:
-            seen.append(rc.load_result(path))
+            with monkeypatch.context() as patched:
+                patched.setattr(netcdf, "beside", in_a_piece_at_first)
+                seen.append(rc.load_result(path))
             return True
         return False
 

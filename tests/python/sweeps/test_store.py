@@ -204,16 +204,28 @@ class _Watched(ThreadPoolExecutor):
         return super().submit(*arguments, **keywords)
 
 
+def late(text):
+    error = rc.SimulationError(text)
+    error.time, error.step_size, error.contact = 0.25, 1e-9, "hinge 3"
+    return error
+
+
 def test_errors_of_a_measure_come_back_as_what_they_were(tmp_path):
     def measure(result):
-        raise {10.0: LookupError, 12.0: Own}[result.drive.sprockets[0].motion.speed]("not there")
+        kinds = {10.0: LookupError, 12.0: KeyError, 14.0: late, 16.0: Own}
+        raise kinds[result.drive.sprockets[0].motion.speed]("not there")
 
     for _ in range(2):
-        with pytest.warns(RuntimeWarning, match="2 of 2 cases failed"):
-            found = rc.sweep(PAPER, {"speed": [10.0, 12.0]}, measure, store=tmp_path, **SHORT)
-        assert type(found.errors[0]) is LookupError
-        assert "not there" in str(found.errors[1])
-    assert str(found.errors[1]) == "Own: not there"
+        with pytest.warns(RuntimeWarning, match="4 of 4 cases failed"):
+            found = rc.sweep(PAPER, {"speed": [10.0, 12.0, 14.0, 16.0]}, measure, store=tmp_path,
+                             **SHORT)  # fmt: skip
+        *errors, own = found.errors.values()
+        assert [type(error) for error in errors] == [LookupError, KeyError, rc.SimulationError]
+        assert [str(error) for error in errors] == ["not there", "'not there'", "not there"]
+        assert (errors[2].time, errors[2].step_size, errors[2].contact) == (0.25, 1e-9, "hinge 3")
+        for error in (*errors, own):
+            assert error.__notes__[0].startswith("raised at test_store.py, line ")
+    assert str(own) == "Own: not there"
 
 
 class Own(Exception):
@@ -421,6 +433,8 @@ def test_another_version_or_format_is_another_case(tmp_path, monkeypatch):
     ("text", "old", "new"),
     [
         ("def measure(r): return r.peaks", "peaks", "energy"),
+        ("def measure(r, *, a=1): return a", "a=1", "a=2"),
+        ("import math as m\ndef measure(r): return m.sqrt(r)", "math", "cmath"),
         ("f = {1: 'a'}.get\ndef measure(r): return f(r)", "'a'", "'b'"),
         ("import re\nf = re.compile('a').search\ndef measure(r): return f(r)", "'a'", "'b'"),
         ("def measure(r): return measure.limit\nmeasure.limit = 1", "= 1", "= 2"),
