@@ -164,7 +164,7 @@ class Recording:
 
         try:
             self._stream.finish(self._core.take_rows, self._core.tooth_jumps, end)
-        except OSError:
+        except Exception:
             if status != "failed":
                 raise
             if energy:

@@ -193,6 +193,23 @@ def test_a_run_goes_on_when_its_rows_have_been_taken(tmp_path, monkeypatch):
     assert taken
 
 
+def test_a_piece_that_cannot_be_taken_fails_its_run(tmp_path, monkeypatch):
+    append, pieces = Stream.append, []
+
+    def second_fails(stream, take, jumps):
+        pieces.append(take)
+        append(stream, (lambda: bytes(2**62)) if len(pieces) == 2 else take, jumps)
+
+    monkeypatch.setattr(Stream, "append", second_fails)
+    path = tmp_path / "run.nc"
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
+    with pytest.raises(MemoryError) as failed:
+        rc.Simulation(rc.paper_drive()).run(**run, out=path)
+    loaded = rc.load_result(path)
+    assert (loaded.status, len(loaded.time)) == ("failed", 256)
+    same(failed.value.result, loaded)
+
+
 def test_rows_that_not_every_array_has_are_left_out(streamed, tmp_path):
     path, result = streamed
     shutil.copyfile(path, tmp_path / "run.nc")

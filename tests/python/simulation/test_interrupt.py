@@ -576,6 +576,30 @@ def test_ctrl_c_during_the_wait_for_the_end_of_a_file_changes_no_status(
     assert result.status == rc.load_result(path).status == "finished"
 
 
+@needs_signals_to_threads
+def test_ctrl_c_while_a_file_is_opened_is_heard_before_the_first_step(tmp_path, monkeypatch):
+    opens, heard = vars(Stream)["_open"], threading.Event()
+
+    def press(number, frame):
+        if not heard.is_set():
+            heard.set()
+            raise KeyboardInterrupt
+
+    def slow(stream):
+        assert heard_by_main_thread(heard)
+        opens(stream)
+
+    monkeypatch.setattr(Stream, "_open", slow)
+    simulation = rc.Simulation(rc.paper_drive(25.0))
+    before = signal.signal(signal.SIGINT, press)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            simulation.run(1e-3, 1e-4, out=tmp_path / "run.nc", progress=False)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert simulation.time == 0.0
+
+
 def test_an_error_of_the_disc_behind_ctrl_c_has_its_rows(tmp_path, monkeypatch):
     finish, pressed = Stream.finish, []
 

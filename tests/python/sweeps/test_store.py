@@ -134,6 +134,24 @@ def test_results_themselves_are_stored_and_read_when_asked_for(tmp_path):
     assert [result.time[-1] for result in stored.results[1:3]] == [5e-3, 5e-3]
 
 
+def test_a_failed_case_has_no_result_in_a_store(tmp_path):
+    for _ in range(2):
+        with pytest.warns(rc.CaseWarning, match="1 of 2 cases failed"):
+            found = rc.sweep(PAPER, FAILING, store=tmp_path, **SHORT)
+        for results in (found.results, rc.load_sweep(tmp_path).results):
+            assert sorted(result is None for result in results) == [False, True]
+
+
+def test_results_of_two_stores_are_equal_where_their_numbers_are(tmp_path):
+    run = {"duration": 1e-3, "progress": False}
+    first, same, other = (
+        rc.sweep(PAPER, {"speed": [speed]}, store=tmp_path / "runs" / name, **run)
+        for name, speed in (("first", 10.0), ("same", 10.0), ("other", 12.0))
+    )
+    assert first.results == same.results
+    assert first.results != other.results
+
+
 @pytest.mark.parametrize("name", [".", "..", "./a", "a/b", "100 %"])
 def test_a_measured_quantity_may_have_any_name(name, tmp_path):
     def measure(result):
