@@ -229,7 +229,7 @@ def finite_number(value: object) -> float | None:
 
 def as_int(value: object) -> str:
     """Return how to write a whole number that is a float or text; nothing of all else."""
-    text = repr(value).removesuffix(".0") if isinstance(value, float) else value
+    text = float.__repr__(value).removesuffix(".0") if isinstance(value, float) else value
     digits = isinstance(text, str) and text.isascii() and text.isdecimal()
     return f" as an int, {text}" if digits else ""
 

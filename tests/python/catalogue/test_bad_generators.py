@@ -54,6 +54,7 @@ def test_a_wrong_argument_of_a_generator_is_refused_by_name(function, keyword, n
     [
         (lambda: two_sprockets(links=60.0), "got 60.0; expected a whole number as an int, 60"),
         (lambda: two_sprockets(links="60"), "got '60'; expected a whole number as an int, 60"),
+        (lambda: two_sprockets(links=np.float64(60.0)), "expected a whole number as an int, 60"),
         (
             lambda: rc.catalogue_chain("40", np.float64(60.0)),
             "Chain.links = 60.0: must be a whole number as an int, 60",
