@@ -94,7 +94,7 @@ def welch(time: Array, values: Array, segment: Number | None) -> tuple[Array, Ar
     even = time[0] + step * np.arange(int((time[-1] - time[0]) / step + 0.5) + 1)
     flat = values.reshape(-1, values.shape[-1])
     resampled = np.stack([np.interp(even, time, one) for one in flat])
-    points = len(even) if segment is None else min(round(segment / step), len(even))
+    points = len(even) if segment is None else round(min(segment / step, len(even)))
     if points < min(_FEWEST, len(even)):
         msg = (
             f"segment = {segment:g}: has {counted(points, 'rows')} of {step:.4g} s; expected at "

@@ -7,7 +7,7 @@ from math import pi
 from typing import Literal, TypeAlias
 
 from rustchain import _rustchain
-from rustchain.arguments import admitted, finite_number, shown
+from rustchain.arguments import admitted, finite_number, plain, shown
 from rustchain.catalogue.sizes import SIZES, ChainSize, named_size, nearest_size
 from rustchain.description.chain import Chain, ClearanceHinge, Link, Plates, Roller
 from rustchain.description.drive import ChainDrive, Hinges
@@ -147,6 +147,7 @@ def two_sprocket_drive(
         raise InvalidInput(msg)
     pair: tuple[int, int] = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
     links = None if links is None else admitted("two_sprocket_drive(links)", links, int)
+    seat = admitted("two_sprocket_drive(seat)", seat, Seat)
     if profile is not None and seat != "bottom-diameter":
         msg = (
             f"seat = {shown(seat)}: must be left out beside a profile, which has its own; give it "
@@ -323,7 +324,8 @@ def _tensioner(pretension: float | None) -> Tensioner | None:
 def _size(name: str) -> tuple[ChainSize, int | None]:
     """Return the size of this name, whatever its case, and its number of strands."""
     if not isinstance(name, str):
-        meant = f": '{name}'" if named_size(str(name)) else ", such as 'ANSI 40'"
+        text = shown(plain(name))
+        meant = f": '{text}'" if named_size(text) else ", such as 'ANSI 40'"
         raise InvalidInput(f"chain = {shown(name)}: must be text, a name in the catalogue{meant}")
     size, dash, strands = name.partition("-")
     listed = named_size(size)

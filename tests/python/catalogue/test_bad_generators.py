@@ -64,6 +64,12 @@ def test_a_wrong_argument_of_a_generator_is_refused_by_name(function, keyword, n
         (lambda: two_sprockets(teeth=17), "teeth = 17: must be two whole numbers, such as (17, 25"),
         (lambda: two_sprockets(chain=40), "chain = 40: must be text, a name in the catalogue: '40"),
         (lambda: rc.catalogue_chain(4.0, 60), "a name in the catalogue, such as 'ANSI 40'"),
+        (lambda: rc.catalogue_chain(10**5000, 60), "chain = <int>: must be text, a name"),
+        (lambda: rc.catalogue_chain(np.int64(40), 60), "a name in the catalogue: '40'"),
+        (
+            lambda: two_sprockets(profile=rc.AnsiTooth(), seat=np.zeros(3)),
+            "two_sprocket_drive(seat): got array([0., 0., 0.]); expected 'bottom-diameter'",
+        ),
     ],
 )
 def test_a_refusal_says_what_to_write_instead(call, message):
