@@ -16,7 +16,9 @@ def rows(count, channels=3):
     return 0.7 + STEP * np.arange(count), noise + 0.01 * np.arange(count)
 
 
-@pytest.mark.parametrize(("segment", "points"), [(None, 200), (0.05, 50), (0.016, 16), (1e308, 200)])
+@pytest.mark.parametrize(
+    ("segment", "points"), [(None, 200), (0.05, 50), (0.016, 16), (1e308, 200)]
+)
 def test_segments_are_those_of_welch(segment, points):
     time, values = rows(200)
     frequency, density = welch(time, values, segment)
