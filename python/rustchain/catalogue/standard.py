@@ -268,7 +268,10 @@ def catalogue_chain(
 
 
 def chain_of(chain: str | Chain, links: int, rollers: Rollers, plates: Stretch) -> Chain:
-    """Return a chain of the catalogue by its name, with so many links, or a chain as it is."""
+    """Return the catalogue's chain of this name, with `links` links, or a given chain unchanged.
+
+    Raise `InvalidInput` where a given chain has no rollers or elastic plates, and they are wanted.
+    """
     if isinstance(chain, str):
         return catalogue_chain(chain, links, rollers=rollers, plates=plates)
     if not isinstance(chain, Chain):

@@ -193,7 +193,7 @@ def law_named(name: str) -> rc.ForceLaw:
 
 
 def file_to_write(out: Path | None, source: str, ending: str) -> Path:
-    """Return the file to write, by default one of the name of the source, with room for it."""
+    """Return the file to write, by default named after the source; make its folder."""
     default = Path(f"{Path(source).stem}{ending}")
     path = out or default
     check_file(path, default.name)

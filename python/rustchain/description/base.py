@@ -14,7 +14,7 @@ from rustchain.arguments import admitted, as_int, plain, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
 
-__all__ = [  # which `description` needs for type checkers, as another name of `dataclass`
+__all__ = [  # without it, type checkers do not export `description`, a second name of `dataclass`
     "Description",
     "Typed",
     "class_named",

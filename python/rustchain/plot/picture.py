@@ -88,11 +88,11 @@ def _figure_of_drive(drive: ChainDrive, time: float, positions: Array, ax: Ax) -
     apart = max(_NUMBERS_APART / scale, chain.pitch)
     fives = max(1, chain.links // 200, math.ceil(_BETWEEN / (5.0 * chain.pitch * scale)))
     hinges = force_points(shapes.forces[0], positions)
-    if drive.ends is not None:  # the one between both ends is none
+    if drive.ends is not None:  # the last one joins both ends: it does not exist
         hinges = np.delete(hinges, chain.links, axis=0)
     first = len(positions) - len(drive.sprockets) - len(drive.guides)
     wheels = positions[first : len(positions) - len(drive.guides)]
-    # The last ones of a closed chain would stand in the way of the first.
+    # The last numbers of a closed chain would overlap with the first one.
     last = chain.links + (1 if drive.ends is not None else -1)
     for number in (1, *range(6, last, 5 * fives)):
         here = hinges[number - 1]

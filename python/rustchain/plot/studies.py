@@ -150,7 +150,7 @@ def _over_axis(axes: Axes, values: xr.DataArray, found: xr.DataArray, over: str)
 
 
 def _lines(values: xr.DataArray, others: Sequence[str]) -> xr.DataArray:
-    """Return values with the other dimensions as one, which has each line."""
+    """Return values with the other dimensions stacked to one, an entry for each line."""
     return values.stack(_other=others) if others else values.expand_dims(_other=[""])
 
 

@@ -227,7 +227,7 @@ class Stream:
         try:
             self._check_ours()
             if jumps is not None:
-                first = self._file[tables.JUMPS[0]].shape[0]  # that is not in the file
+                first = self._file[tables.JUMPS[0]].shape[0]  # not yet in the file
                 jumps = jumps[0][first:], jumps[1][first:], jumps[2][first:]
             size = sum(array.nbytes for array in rows.values()) // max(count, 1)
             self._reserve(size * (count + self._chunk))

@@ -84,7 +84,7 @@ class StopCondition(Description, ABC):
 def force_above(
     simulation: Simulation, channel: str, limit: float, names: Sequence[str], which: slice
 ) -> Look:
-    """Return what looks whether one of the forces in a channel exceeds a limit [N]."""
+    """Return a check of a row: a message where a force of the channel exceeds a limit [N]."""
 
     def look() -> str | None:
         forces = simulation._core.last_row(channel)[which]

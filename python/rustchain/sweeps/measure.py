@@ -18,7 +18,7 @@ class NameTaken(InvalidInput):
 
 
 def check_measure(measure: object) -> None:
-    """Refuse what can measure no result."""
+    """Refuse a measure that is neither a function nor None."""
     if measure is not None and not callable(measure):
         msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
         raise InvalidInput(msg)
