@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import rustchain as rc
+from rustchain.description.units import descriptions_of
 from rustchain.files.models import makers_of
-from rustchain.files.schema import descriptions_of
 
 PAGE = Path(__file__).with_name("files.md")
 MARK = "## Every key\n"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, get_args, get_origin
 
@@ -15,6 +14,7 @@ from rustchain.description.chain import Chain
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
+from rustchain.description.units import descriptions_of
 from rustchain.files.models import (
     Field,
     Maker,
@@ -60,20 +60,6 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
         "$defs": {"file": _FILE, **made.definitions},
     }
-
-
-def descriptions_of(target: Maker) -> dict[str, str]:
-    """Return the docstrings' text of each parameter, those of base classes included."""
-    found: dict[str, str] = {}
-    for each in reversed(getattr(target, "__mro__", (target,))):
-        text = inspect.cleandoc(each.__doc__ or "")
-        section = re.search(r"(?:Attributes|Parameters)\n-+\n(.*?)(?:\n\n\w+\n-+|\Z)", text, re.S)
-        entries = re.split(r"\n(?=\S)", section.group(1)) if section else []
-        for entry in entries:
-            names, *lines = entry.split("\n")
-            for name in names.split(" : ")[0].split(", "):
-                found[name] = " ".join(line.strip() for line in lines)
-    return found
 
 
 class _Schema:

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rustchain.arguments import finite_number, shown
+from rustchain.description.units import unit_of
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREY, PAPER, RED
@@ -21,7 +22,6 @@ from rustchain.plot.motion import radius_of
 from rustchain.plot.style import Ax, panels, styled, subplots
 from rustchain.typing import Array, Count, Time
 
-_UNITS = {"speed": "rad/s", "pretension": "N", "torque": "N m", "restitution": "1"}  # of axes
 _PANELS = 9  # of a map
 _ENTRY = 1.2  # [in] that an entry of a legend takes
 _BIN = 0.5  # [orders] that are one column of a waterfall
@@ -80,7 +80,7 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         else:
             titles[-1] = _over_axis(axes, values, found, over)
-        axes.set_title(f"{as_written(name)}: {title}" if title else as_written(name))
+        axes.set_title(f"{_title(values)}: {title}" if title else _title(values))
     _legends(figure, cells, titles, ax)
     return figure
 
@@ -106,7 +106,7 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
         for k, (color, label) in enumerate(looks):
             line = lines.isel(_other=k).to_numpy()
             axes.plot(x, line, "o-", markersize=3.0, color=color, label=label)
-        axes.set_title(as_written(name))
+        axes.set_title(_title(values))
         titles.append(", ".join(map(_named, others)))
     _legends(figure, cells, titles, ax)
     return figure
@@ -301,9 +301,9 @@ def draw_map(sweep: SweepResult, measure: str, *, ax: Ax = None) -> Figure:
             axis.set_ticks(np.arange(len(labels))[::every] + 0.5, labels[::every])
         axes.grid(visible=False)
         told = ", ".join(f"{other} = {_told(here[other].item())}" for other in others)
-        axes.set_title(f"{as_written(measure)}: {told}" if told else as_written(measure))
+        axes.set_title(f"{_title(values)}: {told}" if told else _title(values))
     if ax is None:
-        figure.colorbar(drawn, ax=cells, label=as_written(measure))
+        figure.colorbar(drawn, ax=cells, label=_title(values))
     return figure
 
 
@@ -396,8 +396,14 @@ def _in_bins(found: xr.Dataset, scale: float, orders: Array) -> Array:
 
 def _named(axis: str) -> str:
     """Return the label of an axis of a sweep, with the unit where it follows from the name."""
-    unit = _UNITS.get(axis.rsplit(".", 1)[-1])
+    unit = unit_of(axis)
     return as_written(axis) if unit is None else f"{as_written(axis)} [{unit}]"
+
+
+def _title(values: xr.DataArray) -> str:
+    """Return the name of a measured quantity, with its unit where it has one."""
+    name, unit = as_written(str(values.name)), values.attrs.get("units", "1")
+    return name if unit == "1" else f"{name} [{unit}]"
 
 
 def _told(value: object) -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rustchain.analysis.summary import Summary
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 
@@ -105,13 +106,15 @@ def _array_with(name: str, dimensions: int, shapes: Mapping[str, tuple[int, ...]
 def numbers_of(measured: Any, taken: Collection[str]) -> dict[str, Any]:  # noqa: ANN401
     """Return what a run was measured to be as numbers by name; None is none: NaN.
 
+    A `Summary` remains one, which has units.
+
     Raises
     ------
     InvalidInput
         A value is no number, or has a name that is `taken`.
     """
     found = measured if isinstance(measured, Mapping) else {"value": measured}
-    numbers = {}
+    numbers: dict[str, Any] = Summary() if isinstance(measured, Summary) else {}
     for name, value in found.items():
         if not isinstance(name, str) or not name:
             msg = f"measure: {shown(name)} is no name: give each measured number a text of its own"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from rustchain.analysis.summary import Summary
 from rustchain.arguments import shown
 from rustchain.caller import warn_caller
 from rustchain.description.base import Description
@@ -128,8 +129,9 @@ class SweepResult(ArrayValue, HtmlView):
         """Return the measured values, NaN where a case has none.
 
         The dimensions are those of the cases, `dims`, then those of an array that was measured:
-        ``value_0``, ``value_1``. The variables are the keys of a measured dict, or "value". Where
-        cases have arrays of different shapes, NaN follows the shorter ones, with a warning.
+        ``value_0``, ``value_1``. The variables are the keys of a measured dict, or "value"; those
+        of `Result.summary` have units. Where cases have arrays of different shapes, NaN follows the
+        shorter ones, with a warning.
         """
         from rustchain.extras import xarray as xr
 
@@ -142,10 +144,14 @@ class SweepResult(ArrayValue, HtmlView):
                 columns = zip(*rows, strict=True) if isinstance(axis, tuple) else [rows]
                 for n, column in zip(names_of(axis), columns, strict=True):
                     coordinates[n] = (dim, _labels(tuple(column)))
-        variables = {}
-        for name, values in self._arrays().items():
+        arrays, variables = self._arrays(), {}
+        summaries = [value.units for value in self.values if isinstance(value, Summary)]
+        units = {name: unit for each in summaries for name, unit in each.items()}
+        for name, values in arrays.items():
             own = tuple(f"{name}_{k}" for k in range(values.ndim - 1))
-            variables[name] = ((*self.dims, *own), values.reshape(shape + values.shape[1:]))
+            attributes = {"units": units[name]} if name in units else {}
+            shaped = values.reshape(shape + values.shape[1:])
+            variables[name] = ((*self.dims, *own), shaped, attributes)
         return xr.Dataset(variables, coordinates, {"status": self.status, "message": self.message})
 
     def to_pandas(self) -> pd.DataFrame:

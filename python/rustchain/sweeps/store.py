@@ -18,6 +18,7 @@ import numpy as np
 
 import rustchain.errors
 from rustchain import extras
+from rustchain.analysis.summary import Summary
 from rustchain.arguments import plain, shown
 from rustchain.caller import warn_caller
 from rustchain.description.base import Description
@@ -55,7 +56,8 @@ class Measured:
     def __call__(self, result: Result) -> Any:  # noqa: ANN401
         """Return the measured value."""
         value = self.measure(result)
-        numbers = {name: _plain(array) for name, array in numbers_of(value, ()).items()}
+        numbers = numbers_of(value, ())
+        numbers.update((name, _plain(array)) for name, array in numbers.items())
         return numbers if isinstance(value, Mapping) else numbers["value"]
 
 
@@ -165,6 +167,7 @@ class Store:
             "error": None if outcome.error is None else _written(outcome.error),
             "warnings": outcome.notes,
             "mapping": isinstance(outcome.value, Mapping),
+            "summary": isinstance(outcome.value, Summary),
         }
         if outcome.error is not None:
             data = xr.Dataset()
@@ -327,6 +330,8 @@ def _outcome(data: xr.Dataset, about: Mapping[str, Any], measured: bool) -> Outc
     if not measured:
         return Outcome(notes=notes)
     found = {unquote(str(name)): _plain(v.values) for name, v in data.variables.items()}
+    if about.get("summary"):
+        found = Summary(found)
     return Outcome(found if about["mapping"] else found["value"], notes=notes)
 
 

@@ -190,6 +190,27 @@ def test_a_study_names_its_axes_with_units_and_its_lines_above_the_panels(study)
     assert not any(legend.get_window_extent().overlaps(axes.bbox) for axes in figure.axes)
 
 
+def test_figures_of_the_summary_and_of_fields_have_their_units_from_a_store_too(tmp_path):
+    axes = {"chain.hinge.bore_radius": [2.30e-3, 2.31e-3], "chain.material.restitution": [0.3, 0.6]}
+    rc.sweep(
+        rc.paper_drive(), axes, rc.Result.summary, duration=2e-3, store=tmp_path, progress=False
+    )
+    sweep = rc.load_sweep(tmp_path)
+    figure = draw_sweep(sweep)
+    assert {cell.get_xlabel() for cell in figure.axes} == {"chain.hinge.bore_radius [m]"}
+    assert legend_of(figure)[0] == "chain.material.restitution"
+    titles = [cell.get_title("left") for cell in figure.axes]
+    assert titles[0] == "tension_upper [N]"
+    assert titles[4] == "hinge_contact_share"
+    drawn, bar = draw_map(sweep, "tension_upper").axes
+    assert drawn.get_title("left") == bar.get_ylabel() == "tension_upper [N]"
+    study = rc.study(
+        rc.paper_drive(), runs=2, duration=2e-3, burn_in=1e-3, store=tmp_path / "study",
+        progress=False,
+    )  # fmt: skip
+    assert study.plot("loss").axes[0].get_title("left") == "loss [W]"
+
+
 def test_runs_of_a_study_have_whole_numbers():
     study = rc.study(
         rc.paper_drive(), lambda result: result.time[-1],

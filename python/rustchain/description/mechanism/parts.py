@@ -138,7 +138,7 @@ class Body(Part):
     mass, inertia : float
         Mass [kg] and moment of inertia about the centre of mass [kg m^2].
     position, velocity : (float, float, float)
-        Centre of mass and angle [m, m, rad], and their rates.
+        Centre of mass and angle [m, m, rad], and their rates [m/s, m/s, rad/s].
     fixed : bool
         Whether the body is held where it is.
     """
