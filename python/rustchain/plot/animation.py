@@ -237,11 +237,17 @@ def _gif(animation: Animation) -> bytes:
     nearest = Image.fromarray(cube).quantize(palette=palette, dither=Image.Dither.NONE)
     table = np.asarray(nearest).ravel()
     colors = np.array(palette.getpalette()).reshape(-1, 3)
-    colors[table[-1]] = 255  # the ground is white, not the mean of colours near it
+
+    def entries(frame: Array) -> Array:
+        red, green, blue = np.right_shift(frame, 3).astype(np.int32).transpose(2, 0, 1)
+        found: Array = table[(red << 10) | (green << 5) | blue]
+        return found
+
+    corner = sample[-1:, -1:]
+    colors[entries(corner)] = corner  # the ground, not the mean of colours near it
 
     def image_of(frame: Array) -> Image.Image:
-        red, green, blue = np.right_shift(frame, 3).astype(np.int32).transpose(2, 0, 1)
-        image = Image.fromarray(table[(red << 10) | (green << 5) | blue], "P")
+        image = Image.fromarray(entries(frame), "P")
         image.putpalette(colors.ravel().tolist())
         return image
 

@@ -12,16 +12,15 @@ from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
 from rustchain.plot.between_rows import forces_at, large_force, poses_at, round_number
-from rustchain.plot.colors import INK, PAPER, Theme, in_theme
+from rustchain.plot.colors import INK, PAPER, in_theme
 from rustchain.plot.looks import FORCE_COLORS, LOOKS
 from rustchain.plot.shapes import Bar, Forces, Shape, force_points, outlines_at
-from rustchain.plot.style import styled
+from rustchain.plot.style import current_theme, styled
 from rustchain.typing import Array
 
 if TYPE_CHECKING:
     from rustchain.plot.animation import Animation
 
-_THEME: Theme = "light"
 _SAMPLES = 24  # rows from which the view is chosen
 _ARROW = 2.0  # length of the arrow of a large force, in sizes of a part
 _LONGEST = 0.4  # of the scene: longer arrows of a single body would leave the view
@@ -67,6 +66,7 @@ class Canvas:
     def __init__(self, animation: Animation) -> None:
         self.animation = animation
         self.result = animation.result
+        self.theme = current_theme()
         self.center, self.size = view_of(animation)
         self.follow = None
         if animation.camera != "scene":
@@ -83,7 +83,7 @@ class Canvas:
         tall = int(np.clip(width * self.size[1] / self.size[0], 0.25 * width, _TALLEST * width))
         height = 2 * ((tall + _HEAD + _FOOT) // 2)
         size = width / dpi, height / dpi
-        self.figure = Figure(figsize=size, dpi=dpi, facecolor=in_theme(PAPER, _THEME))
+        self.figure = Figure(figsize=size, dpi=dpi, facecolor=in_theme(PAPER, self.theme))
         self.figure.set_layout_engine("none")
         self.canvas = cast("Any", FigureCanvasAgg(self.figure))  # which has no types
         self.axes = self.figure.add_axes(
@@ -95,7 +95,7 @@ class Canvas:
         self.axes.set(xlim=(-half[0], half[0]), ylim=(-half[1], half[1]))
         outlines = self.animation.shapes.outlines
         self.parts: list[tuple[list[Shape | Bar], PathPatch]] = []
-        for kind, look in LOOKS[_THEME].items():
+        for kind, look in LOOKS[self.theme].items():
             for closed in (True, False):
                 shapes = [s for s in outlines if s.kind == kind and s.closed == closed]
                 if shapes:
@@ -106,13 +106,13 @@ class Canvas:
                     self.parts.append((shapes, patch))
         self.arrows: list[tuple[Forces, PathPatch]] = []
         for group in self.animation.shapes.forces:
-            color = FORCE_COLORS[_THEME][group.kind]
+            color = FORCE_COLORS[self.theme][group.kind]
             one = [Path.MOVETO, *[Path.LINETO] * 6, Path.CLOSEPOLY]
             codes = np.tile(np.array(one, dtype=np.uint8), len(group.bodies))
             self.arrows.append((group, self._patch(codes, color, color, 0.4)))
         self._add_legend(width, height)
         self.clock = self.figure.text(
-            10 / width, 8 / height, "", color=in_theme(INK, _THEME), va="bottom", fontsize=10.0
+            10 / width, 8 / height, "", color=in_theme(INK, self.theme), va="bottom", fontsize=10.0
         )
         self.moving: list[Any] = [*(patch for _, patch in (*self.parts, *self.arrows)), self.clock]
         for artist in self.moving:
@@ -134,7 +134,7 @@ class Canvas:
 
     def _add_legend(self, width: int, height: int) -> None:
         """Draw the scale of lengths and an arrow of each kind with its force, at the top."""
-        ink = in_theme(INK, _THEME)
+        ink = in_theme(INK, self.theme)
         low, high = self.axes.get_xlim()
         pixels = width / (high - low)  # a metre
         line = height - 0.6 * _HEAD
@@ -142,7 +142,7 @@ class Canvas:
         entries: list[tuple[float, str, str | None]] = [(length, _length_text(length), None)]
         for group, _ in self.arrows if self.arrow > 0.0 else ():
             text = f"{group.label} {self.force_shown:g} N"
-            color = FORCE_COLORS[_THEME][group.kind]
+            color = FORCE_COLORS[self.theme][group.kind]
             entries.append((self.arrow * self.force_shown, text, color))
         x = width - 14.0
         for metres, text, arrow in entries:

@@ -53,7 +53,9 @@ _theme: Theme = "light"
 
 @checked
 def use_theme(theme: Theme) -> None:
-    """Draw the figures that follow on a light or on a dark ground.
+    """Draw the figures that follow on a light or on a dark ground, and the frames of animations.
+
+    Reports and HTML pages with the player are light or dark as the browser has it.
 
     Parameters
     ----------
@@ -62,6 +64,11 @@ def use_theme(theme: Theme) -> None:
     """
     global _theme
     _theme = theme
+
+
+def current_theme() -> Theme:
+    """Return the theme of the figures that follow."""
+    return _theme
 
 
 @contextmanager

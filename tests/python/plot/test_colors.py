@@ -106,6 +106,26 @@ def test_a_dark_figure_is_dark_with_bright_text(draw):
         assert contrast(text.get_color(), "#14181d") > 3.0
 
 
+def test_an_animation_has_the_theme_in_which_it_is_saved(tmp_path):
+    record = ("hinges", "teeth", "bodies")
+    result = rc.Simulation(rc.paper_drive(25.0)).run(1e-3, record=record, progress=False)
+    film = result.animate(slow_motion=100.0, width=300)
+    grounds = {"light": colors.PAPER, "dark": colors.in_theme(colors.PAPER, "dark")}
+    for theme, ground in grounds.items():
+        use_theme(theme)
+        try:
+            film.save(tmp_path / "run.gif")
+            frame = next(film.frames())
+        finally:
+            use_theme("light")
+        with Image.open(tmp_path / "run.gif") as saved:
+            image = np.asarray(saved.convert("RGB"))
+        expected = 255.0 * np.array(to_rgb(ground))
+        for drawn in (frame, image):
+            assert np.allclose(np.median(drawn, axis=(0, 1)), expected)
+            assert np.ptp(drawn.mean(axis=2)) > 150.0  # text and outlines stand out
+
+
 @pytest.mark.usefixtures("_dark")
 def test_the_picture_of_a_mechanism_has_the_theme_and_the_style_of_all_figures():
     mechanism = rc.Mechanism()
