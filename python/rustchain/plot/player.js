@@ -1,5 +1,6 @@
 // The player of a recorded motion: a canvas with the moving bodies, and plots linked to its time.
-// It builds itself into every <div class="player">, whose data is the JSON of the script inside.
+// It builds itself into every <div class="player">, whose data is the JSON of the script inside. Each player of a page
+// may stand before a copy of this script: what another copy has built stays as it is.
 "use strict";
 (() => {
   const STYLE = `
@@ -510,25 +511,30 @@
     new ResizeObserver(() => redraw(true)).observe(root);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => redraw(true));
     new MutationObserver(() => redraw(true)).observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
-    // Paper is white.
+    // Paper is white. The theme that was shown is kept once for all players.
     const html = document.documentElement;
-    let shown;
     addEventListener("beforeprint", () => {
-      shown = html.dataset.theme;
+      html.shownTheme ??= html.dataset.theme ?? "";
       html.dataset.theme = "light";
       still = null;
       drawStage(); drawChart();
     });
-    addEventListener("afterprint", () => { if (shown) html.dataset.theme = shown; else delete html.dataset.theme; });
+    addEventListener("afterprint", () => {
+      if (html.shownTheme) html.dataset.theme = html.shownTheme;
+      else if (html.shownTheme === "") delete html.dataset.theme;
+      delete html.shownTheme;
+    });
     redraw(true);
     root.dataset.ready = "true";
     root.player = state; // for those who look in from outside
   }
 
   document.head.append(element("style", {}, STYLE));
-  for (const root of document.querySelectorAll("div.player"))
+  for (const root of document.querySelectorAll("div.player:not([data-built])")) {
+    root.dataset.built = "true";
     player(root).catch((error) => {
       root.append(element("p", {}, `The player cannot start (${error.message}); it needs a browser of 2023 or later.`));
       console.error(error);
     });
+  }
 })();

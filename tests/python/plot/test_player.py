@@ -12,6 +12,7 @@ import pytest
 import rustchain as rc
 from browser import opened, ready, shown_time
 from rustchain.plot import player
+from rustchain.plot.colors import theme_css
 
 RECORD = ("hinges", "teeth", "sprockets", "bodies")
 RESULT = rc.Simulation(rc.paper_drive(25.0)).run(duration=0.05, record=RECORD, progress=False)
@@ -219,3 +220,35 @@ def test_a_force_of_zero_is_zero_in_a_page():
         assert block == pytest.approx(values, abs=1e-3)
     for constant in (0.0, 4.905):
         assert (unpacked(player.block_of(np.full((1, 3), constant), 0.0, 1)) == constant).all()
+
+
+def test_two_players_in_one_page_are_built_once_and_print_in_light_colours(tmp_path):
+    page_of_two = tmp_path / "two.html"
+    parts = [player.player_part(RESULT.animate(start=start)) for start in (None, 0.025)]
+    style = f"<style>{theme_css()}</style>"
+    page_of_two.write_text(f"<!DOCTYPE html>{style}{parts[0]}{parts[1]}", encoding="utf-8")
+    with opened(page_of_two) as page:
+        page.wait_for_function("document.querySelectorAll('.player[data-ready]').length === 2")
+        page.wait_for_timeout(200)
+        players = "[...document.querySelectorAll('.player')]"
+        counts = f"{players}.map(p => p.querySelectorAll('.stage').length)"
+        assert page.evaluate(counts) == [1, 1]
+        times = f"{players}.map(p => p.player.time)"
+        assert page.evaluate(times) == pytest.approx([0.0, 0.025])
+        page.locator(".stage").nth(1).focus()
+        page.keyboard.press("End")
+        assert page.evaluate(times) == pytest.approx([0.0, 0.05])
+        for theme in ("dark", None):
+            found = page.evaluate(
+                """theme => {
+                    const data = document.documentElement.dataset, seen = [];
+                    if (theme) data.theme = theme; else delete data.theme;
+                    for (const event of ["beforeprint", "afterprint"]) {
+                        dispatchEvent(new Event(event));
+                        seen.push(data.theme ?? null);
+                    }
+                    return seen;
+                }""",
+                theme,
+            )
+            assert found == ["light", theme]
