@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rustchain.analysis.window import from_first_row
 from rustchain.plot.between_rows import large_force
 from rustchain.plot.canvas import THICKNESS, arrow_scale, view_of
 from rustchain.plot.colors import theme_css
@@ -148,14 +149,17 @@ def _series(result: Result, rows: slice) -> tuple[list[str], list[str], Array]:
         tensions = result.array("strand_tension")[rows].T
         for name, tension in zip(result.strand_names, tensions, strict=True):
             found[f"tension of strand {name}"] = "N", tension
-    # The peaks of rows that are left out belong to the next one.
-    kept = np.arange(rows.start, rows.stop, rows.step)
-    first = np.append(rows.start, kept[:-1] + 1)
+    # The peaks of rows that are left out belong to the next one, those before the part to none.
+    kept = np.arange(0, rows.stop - rows.start, rows.step)
+    first = np.append(0, kept[:-1] + 1)
+    whole = slice(rows.start, rows.start + kept[-1] + 1)
     for part in ("hinge", "tooth", "joint", "contact"):
-        largest = result.arrays.get(f"peak_{part}_force")
+        names = {f"peak_{part}_force", f"{part}_force", f"{part}_reaction"} & set(result.arrays)
+        forces = from_first_row({name: result.arrays[name][whole] for name in names}, whole)
+        largest = forces.get(f"peak_{part}_force")
         if largest is not None and largest.size:
-            peaks = largest[: kept[-1] + 1].max(axis=1)
-            found[f"largest {part} force"] = "N", np.maximum.reduceat(peaks, first)
+            peaks = np.maximum.reduceat(largest.max(axis=1), first)
+            found[f"largest {part} force"] = "N", peaks
     if not found:
         speed = np.linalg.norm(result.array("velocities")[rows][..., :2], axis=2)
         found["largest speed of a body"] = "m/s", speed.max(axis=1)

@@ -75,6 +75,17 @@ def test_of_too_many_rows_every_second_one_is_left_out(monkeypatch):
         np.testing.assert_allclose(series[f"largest {part} force"], expected, atol=1e-5)
 
 
+def test_the_largest_forces_of_a_part_begin_with_those_of_its_first_row():
+    row = 1 + int(RESULT.array("peak_tooth_force")[1:].max(axis=1).argmax())  # after an impact
+    data = player.player_data(RESULT.animate(start=RESULT.time[row]))
+    series = dict(zip(data["series"]["names"], unpacked(data["series"]["block"]), strict=True))
+    part = RESULT.between(RESULT.time[row])
+    for name in ("hinge", "tooth"):
+        peaks = part.array(f"peak_{name}_force").max(axis=1)
+        np.testing.assert_allclose(series[f"largest {name} force"], peaks, atol=1e-5)
+    assert series["largest tooth force"][0] < 0.9 * RESULT.array("peak_tooth_force")[row].max()
+
+
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("player") / "run.html"
