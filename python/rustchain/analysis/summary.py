@@ -18,7 +18,7 @@ from rustchain.analysis.window import (
     rows_between,
 )
 from rustchain.description.ends import bushings_of, hinges_of
-from rustchain.description.sprocket import Free
+from rustchain.description.sprocket import Free, PrescribedSpeed
 from rustchain.html import HtmlView
 from rustchain.typing import Time
 
@@ -131,8 +131,9 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
 def _transmission(
     result: Result, start: Time, end: Time, skipped: Collection[int]
 ) -> dict[str, float]:
-    """Return transmission error and ripple of each sprocket but the first.
+    """Return transmission error of each sprocket but the first, and ripple of each.
 
+    A first sprocket of prescribed speed has none.
     `skipped`: sprockets whose teeth the chain jumped, which have no transmission error.
     """
     found: dict[str, float] = {}
@@ -140,10 +141,11 @@ def _transmission(
     angle = result.array("sprocket_angle")[rows]
     if len(angle) < 8 or not angle.shape[1] or not np.ptp(angle[:, 0]) > 0.0:
         return found
-    for number in range(2, len(result.drive.sprockets) + 1):
-        if not {1, number} & set(skipped):
+    for number, sprocket in enumerate(result.drive.sprockets, 1):
+        if number > 1 and not {1, number} & set(skipped):
             _, error, radius = angle_error(result, number, 1, rows)
             found[f"transmission_error_{number}"] = float(radius * np.ptp(error))
-        if has_ripple(result, number, rows):
+        moved = number > 1 or not isinstance(sprocket.motion, PrescribedSpeed)
+        if moved and has_ripple(result, number, rows):
             found[f"ripple_{number}"] = ripple_of(result, number, rows)[2]
     return found

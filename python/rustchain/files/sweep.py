@@ -14,6 +14,7 @@ from rustchain import _rustchain
 from rustchain.analysis.jumps import jumps_within
 from rustchain.arguments import shown
 from rustchain.description.scene import Scene
+from rustchain.description.sprocket import PrescribedSpeed
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.files.models import Field
 from rustchain.files.reader import ANY, Reader
@@ -58,11 +59,11 @@ _FIGURES = (
     "transmission_error_2", "ripple_2", "loss", "efficiency",
 )  # fmt: skip
 """Figures of `Result.summary` with two sprockets."""
-_OF_MORE = re.compile(r"tension_\w+-\w+|(transmission_error|ripple)_([2-9]|[1-9]\d+)")
-"""Figures of further strands and sprockets."""
+_OF_MORE = re.compile(r"tension_\w+-\w+|transmission_error_([2-9]|[1-9]\d+)|ripple_[1-9]\d*")
+"""Figures of further strands and sprockets, and of a first sprocket without a prescribed speed."""
 _WITHOUT_JUMPS = re.compile(r"efficiency|transmission_error_([2-9]|[1-9]\d+)")
 """Figures that a chain that jumps teeth does not have."""
-_OF_TURNING = re.compile(r"efficiency|ripple_([2-9]|[1-9]\d+)")
+_OF_TURNING = re.compile(r"efficiency|ripple_[1-9]\d*")
 """Figures that a drive at rest, or one that turns back and forth, does not have."""
 
 
@@ -177,6 +178,8 @@ def check_figures(measure: object, scene: Scene, varied: Collection[str]) -> Non
     numbers = range(2, len(scene.drive.sprockets) + 1)
     own = [f"{kind}_{k}" for kind in ("transmission_error", "ripple") for k in numbers]
     own += [*strands, *(f"{name}_std" for name in strands)]
+    moved = [not isinstance(each.motion, PrescribedSpeed) for each in scene.drive.sprockets[:1]]
+    own += ["ripple_1"] if "sprockets.1.motion" in varied or any(moved) else []
     for name in names:
         if name not in own and (name.startswith("tension_") or _OF_MORE.fullmatch(name)):
             msg = f"measure: {shown(name)} is no figure of this drive; {suggest(name, own)}"

@@ -444,6 +444,16 @@ def test_key_figures_are_those_of_the_recorded_rows(summed):
     assert late["loss"] == pytest.approx(0.4)
 
 
+def test_a_first_sprocket_has_a_ripple_where_its_speed_is_not_prescribed(summed):
+    first, *others = summed.drive.sprockets
+    assert isinstance(first.motion, rc.PrescribedSpeed)
+    assert "ripple_1" not in summed.summary()
+    for motion in (rc.Free(), rc.AppliedTorque(1.0)):
+        drive = replace(summed.drive, sprockets=(replace(first, motion=motion), *others))
+        found = replace(summed, scene=replace(summed.scene, system=drive)).summary()
+        assert found["ripple_1"] == summed.speed_ripple(1).attrs["rms"]
+
+
 def test_key_figures_have_units_and_print_as_a_table(summed):
     found = summed.summary()
     units = found.units

@@ -296,6 +296,7 @@ def test_a_mistake_in_a_sweep_file_is_told_with_its_place(text, said, tmp_path):
         ('burn_in = 0.1\n[axes]\n"duration, rtol"=[[0.1, 1e-5]]', "less than the duration, 0.1 s"),
         ('measure = "transmission_error_3"\n[axes]\nrtol=[1e-5]',
          "line 2, column 1: measure: 'transmission_error_3' is no figure of this drive; did you"),
+        ('measure = "ripple_1"\n[axes]\nrtol=[1e-5]', "'ripple_1' is no figure of this drive; did"),
         ('measure = ["tension_upper-1"]\n[axes]\nrtol=[1e-5]',
          "'tension_upper-1' is no figure of this drive"),
     ],
@@ -307,7 +308,7 @@ def test_what_no_case_can_be_measured_by_is_told_before_a_run(text, said, tmp_pa
     assert done.exit_code == 1
     assert said in done.output
     if "burn_in" not in text:
-        done = rustchain("study", "paper", "--measure", re.findall(r"'(t\w.*?)' is", said)[0])
+        done = rustchain("study", "paper", "--measure", re.findall(r"'(\w.*?)' is", said)[0])
         assert "is no figure of this drive" in done.output
 
 
