@@ -14,6 +14,7 @@ from rustchain.cli.common import (
     clear_errors,
     fail,
     file_to_write,
+    misuse,
     scene_file,
 )
 from rustchain.extras import typer
@@ -50,13 +51,15 @@ def fmu(
     """Export a drive as an FMU for co-simulation, which runs without Python."""
     output = Output(as_json, quiet)
     with clear_errors():
+        if fmi not in ("2.0", "3.0"):
+            misuse(f"--fmi = {fmi}: expected 2.0 or 3.0")
         path = file_to_write(out, drive, ".fmu")
         rc.export_fmu(
             _system(drive, settings),
             path,
             inputs=_names(inputs),
             outputs=_names(outputs),
-            version=fmi,  # type: ignore[arg-type]  # checked by the function
+            version=fmi,  # type: ignore[arg-type]  # it is one of the two
         )
         output.say(path)
         output.document({"file": path, "fmi": fmi})

@@ -266,9 +266,10 @@ def draw_map(sweep: SweepResult, measure: str, *, ax: Ax = None) -> Figure:
     Raises
     ------
     InvalidInput
-        There is no such measure, it is no number of each case, there are fewer axes, or the cases
-        are listed.
+        It is no sweep, there is no such measure, it is no number of each case, there are fewer
+        axes, or the cases are listed.
     """
+    _check_sweep("draw_map", sweep)
     if sweep.axes is None:
         msg = (
             "draw_map(sweep): got listed cases; expected those of axes; of a store, call sweep "
@@ -334,10 +335,11 @@ def draw_waterfall(
     Raises
     ------
     InvalidInput
-        The sweep has another number of axes, or its axis has no numbers.
+        It is no sweep, has another number of axes, or its axis has no numbers.
     NotRecorded
         The results were measured and let go, or have no sprockets.
     """
+    _check_sweep("draw_waterfall", sweep)
     if quantity not in _ORDERS:
         msg = f"draw_waterfall(quantity): got {shown(quantity)}; {suggest(quantity, _ORDERS)}"
         raise InvalidInput(msg)
@@ -379,6 +381,15 @@ def draw_waterfall(
     if ax is None:
         figure.colorbar(drawn, ax=axes, label=label)
     return figure
+
+
+def _check_sweep(where: str, given: object) -> None:
+    """Refuse what no sweep returned; plots cannot import the class, which is above them."""
+    kind = type(given).__name__
+    if kind != "SweepResult":
+        remedy = "; of a study, take .sweep" if kind == "StudyResult" else ""
+        msg = f"{where}(sweep): got {shown(given)}; expected what sweep returned{remedy}"
+        raise InvalidInput(msg)
 
 
 def _in_bins(found: xr.Dataset, scale: float, orders: Array) -> Array:

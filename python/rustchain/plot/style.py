@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from matplotlib import style
@@ -17,14 +17,12 @@ from matplotlib.colors import to_hex, to_rgba, to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator
 
-from rustchain.arguments import checked, shown
+from rustchain.arguments import admitted, checked, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import named_attributes
 from rustchain.plot.colors import GREY, GRID, Theme, in_theme
 from rustchain.plot.finish import finish
-
-if TYPE_CHECKING:
-    from rustchain.results.result import Result
+from rustchain.results.result import Result
 
 _Draw = TypeVar("_Draw", bound=Callable[..., Any])
 _STYLE: dict[str, Any] = {
@@ -138,6 +136,10 @@ class Figures:
     """A result to be drawn."""
 
     result: Result
+
+    def __post_init__(self) -> None:
+        """Refuse what is no result."""
+        admitted("Plots(result)", self.result, Result)
 
     def _wheel_name(self, number: int) -> str:
         """Return the name of a sprocket or guide by its number, in which guides follow."""

@@ -195,13 +195,15 @@ def test_the_command_exports_a_file_and_a_state(tmp_path, version):
     for arguments, message in (
         (["papre"], "did you mean 'paper'"),
         (["paper", "--inputs", "sprocket_9.set_speed"], "sprocket_9.set_speed"),
-        (["paper", "--fmi", "4"], "version"),
         ([str(tmp_path / "state.npz"), "--set", "pretension=1"], "--set is for a drive"),
     ):
         told = runner.invoke(app, ["fmu", *arguments, "-o", str(tmp_path / "none.fmu")])
         assert told.exit_code == 1
         assert message in told.output
         assert "Traceback" not in told.output
+    told = runner.invoke(app, ["fmu", "paper", "--fmi", "4", "-o", str(tmp_path / "none.fmu")])
+    assert told.exit_code == 2
+    assert told.output == "error: --fmi = 4: expected 2.0 or 3.0\n"
 
 
 def test_a_scene_of_another_fmu_is_refused(fmu, version, tmp_path):

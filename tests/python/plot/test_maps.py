@@ -1,15 +1,19 @@
 """Waterfalls, maps, orbits and polar loads show the numbers that they are given."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
 import rustchain as rc
-from rustchain.plot import draw_loss_map, draw_map, draw_waterfall
+from rustchain.arguments import shown
+from rustchain.plot import Plots, draw_loss_map, draw_map, draw_waterfall
 from rustchain.plot.colors import CYCLE
 from rustchain.plot.studies import draw_study, draw_sweep
 from rustchain.sweeps.result import SweepResult
+from rustchain.sweeps.study import StudyResult
 
 RESULT = rc.Simulation(rc.paper_drive(25.0)).run(
     duration=0.05, record=("hinges", "teeth", "sprockets"), progress=False
@@ -81,6 +85,29 @@ def test_what_makes_no_waterfall_is_refused():
     two = SweepResult(cases, {"speed": (1.0,), "pretension": (0, 1)}, [None, None], _measured=False)
     with pytest.raises(rc.InvalidInput, match="expected one axis of numbers"):
         draw_waterfall(two)
+
+
+@pytest.mark.parametrize(
+    "given", [None, 3, "runs.nc", [RESULT], RESULT, RESULT.drive, SweepResult], ids=str
+)
+def test_what_is_no_sweep_and_no_result_is_refused_by_name(given):
+    said = re.escape(f"got {shown(given)}; expected ")
+    with pytest.raises(rc.InvalidInput, match=rf"draw_map\(sweep\): {said}what sweep returned$"):
+        draw_map(given, "force")
+    with pytest.raises(rc.InvalidInput, match=rf"draw_waterfall\(sweep\): {said}what sweep"):
+        draw_waterfall(given)
+    with pytest.raises(rc.InvalidInput, match=rf"draw_loss_map\(losses\): {said}what loss_map"):
+        draw_loss_map(given)
+    if given is not RESULT:
+        with pytest.raises(rc.InvalidInput, match=rf"Plots\(result\): {said}a Result$"):
+            Plots(given)
+
+
+def test_of_a_study_the_sweep_is_drawn():
+    study = StudyResult(campaign(), 0.95, 0.0)
+    with pytest.raises(rc.InvalidInput, match=r"got <StudyResult.*; of a study, take \.sweep$"):
+        draw_map(study, "force")
+    assert draw_map(study.sweep, "force").axes
 
 
 def campaign():
