@@ -1,7 +1,8 @@
 //! What this machine can do at most with the widest registers that it has, the least time of a right-hand side that follows from
 //! it, and the time it takes: the figures of docs/development/roofline.md.
 //!
-//! Limits come from small loops of one instruction each, counts from the kernels' source, one line of it at a time.
+//! Limits come from small loops of one instruction each, counts from the kernels' source, one line of it at a time, at the revision
+//! that the page names: with later kernels the least times are those of that revision.
 
 #![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
 
