@@ -147,7 +147,7 @@ practical: build ## Run practical scenes at two accuracies and write docs/perfor
 features: build ## Run the published drive with every feature in turn, and sweeps, and write docs/performance/features.md (ten minutes)
 	OMP_NUM_THREADS=1 $(BIN)/python benches/features.py --write
 
-robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md (six minutes; two are known to fail)
+robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md (six minutes; two exceed the limit of the balance, as known)
 	$(BIN)/python benches/robustness.py --write
 
 work-precision: build reference-solvers ## Measure run time against error beside other solvers and rewrite docs/performance/work-precision.md (45 minutes)

@@ -19,7 +19,7 @@ def test_the_scene_ends_and_its_balance_closes(scene):
     solver = rc.Solver(method="newton", accuracy=1e-9)
     outcome = robustness.run(scene, solver, DURATION)
     assert outcome.steps > 10
-    assert not outcome.failure, robustness.row(outcome)
+    assert outcome.end == "ends", robustness.row(outcome)
 
 
 def test_every_demand_has_its_scenes():
@@ -48,7 +48,29 @@ def test_every_demand_has_its_scenes():
 def test_a_scene_that_loses_energy_is_a_failure():
     scene = SCENES[0]
     outcome = robustness.run(scene, rc.Solver(method="newton", accuracy=1e-4), DURATION)
-    assert outcome.failure
+    assert outcome.failed
+    assert outcome.end.startswith("its balance is off: ")
+
+
+def test_a_known_excess_of_the_balance_is_no_failure_until_it_grows():
+    known = [scene for scene in SCENES if scene.known_excess > 1.0]
+    assert [scene.name for scene in known] == ["restitution 1.0, 0 N", "Johnson, 0 N"]
+    for scene in known:
+        limit = robustness.OF_EXCHANGED  # [J] of an energy exchanged of 1 J
+        counts = {"wall": 1.0, "steps": 1, "rejected": 0, "onsets": 1, "dissipated": 0.0}
+
+        def outcome(residual, scene=scene, counts=counts, message=""):
+            return robustness.Outcome(
+                scene, residual=residual, exchanged=1.0, message=message, **counts
+            )
+
+        assert outcome(0.99 * limit).end == "ends"
+        found = outcome(0.99 * scene.known_excess * limit)
+        assert not found.failed
+        assert found.end == "its balance is off, as known: 2.0e-02 J are allowed"
+        assert outcome(1.01 * scene.known_excess * limit).failed
+        assert outcome(np.nan).failed
+        assert outcome(0.0, message="step size fell").failed
 
 
 def test_a_run_whose_balance_does_not_close_says_so_once():
