@@ -98,8 +98,8 @@ impl ConstraintState {
             ));
         }
         Error::Impossible(format!(
-            "the mechanism cannot be assembled; the nearest positions miss {}: check lengths, points and units of \
-             these joints (SI: metres, radians)",
+            "the mechanism cannot be assembled; the nearest positions miss {}: check lengths, angles, points and \
+             units of these joints (SI: metres, radians)",
             self.position_residuals(model)
         ))
     }

@@ -50,6 +50,10 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
             "cross each other: give the points",
         ),
         (lambda m: m.add_callable("own", "bar", 3.0), "function of force 'own' = 3.0: .*callable"),
+        (
+            lambda m: m.add_callable("own", "bar", lambda t: (t, 0.0, 0.0)),
+            r"function of force 'own' = .*: takes the arguments \(t\); expected three: time, posit",
+        ),
         (lambda m: m.add_body("x", 1.0, 1.0, (0.0, 0.0)), "position of body 'x' = .*three finite"),
         (
             lambda m: m.add_body("x", 1.0, 1.0, velocity=(0, 0, math.inf)),

@@ -204,6 +204,10 @@ def test_drivers_follow_their_functions():
             lambda m: m.add_revolute("far", "ground", "bar", (9.0, 0.0), (0.5, 0.0)),
             "cannot be assembled.*far",
         ),
+        (
+            lambda m: m.add_fixed("far", "ground", "bar", angle=2**63),
+            '"far" by 9.223e18 rad.*check lengths, angles, points and units',
+        ),
         (lambda m: m.add_driver("w", "ground", "bar", angle=rc.Table([(0, 0), (1, 1)])), "corners"),
         (lambda m: m.add_driver("w", "ground", "bar"), "exactly one"),
         (lambda m: m.add_torque("t", "bar"), "exactly one"),

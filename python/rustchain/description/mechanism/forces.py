@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import inspect
 from collections.abc import Sequence
 
 from rustchain.arguments import finite_number, plain, shown
@@ -217,4 +219,15 @@ class WithForces:
                 "f(time, position, velocity) that returns (force x, force y, torque)"
             )
             raise InvalidInput(msg)
+        arguments = None
+        with contextlib.suppress(ValueError):  # some built-in functions have no signature
+            arguments = inspect.signature(function)
+        try:
+            _ = arguments and arguments.bind(0.0, (), ())
+        except TypeError as error:
+            msg = (
+                f"function of force {shown(name)} = {shown(function)}: takes the arguments "
+                f"{arguments}; expected three: time, position, velocity"
+            )
+            raise InvalidInput(msg) from error
         self.forces = (*self.forces, Force("custom", name, GROUND, body, function=function))
