@@ -228,6 +228,42 @@ def test_bushings_in_other_gaps_than_generated_are_found_by_their_contacts(run, 
     np.testing.assert_allclose(moved, [-gaps[0], 80.0 - gaps[0]], atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("ahead", "shift"), [((1, 1, 1, 1, 7), 1), ((-7, 1, 1, 1, 1), 1), ((0, 0, 1, 1), 0)]
+)
+def test_the_median_of_the_contacts_says_in_which_gaps_the_bushings_are(run, ahead, shift):
+    """A bushing that is recorded far from the others moves nothing; parts of gaps do not count."""
+    report = THREE.check()
+    first = report.wrap_pitches[0] + report.strand_pitches[0]
+    zero = round((report.first_seat_angle[1] - report.phase[1]) * 25 / (2 * math.pi))
+    contacts = [
+        (0, (first + k + gaps) % 78 + 1, 2, (zero + k) % 25) for k, gaps in enumerate(ahead, 2)
+    ]
+    result = made(run, [0.0], [0.0], **seen(1, *contacts))
+    np.testing.assert_allclose(begins(result), [0, 0, shift, shift, 0, 0], atol=1e-9)
+
+
+def test_contacts_at_the_end_of_a_wrap_of_more_than_half_the_chain_leave_it_in_its_place():
+    drive = rc.two_sprocket_drive("ANSI 40", teeth=(60, 11), links=68, speed=10.0)
+    run = rc.Simulation(drive).run(1e-4, record=("teeth", "sprockets"), progress=False)
+    initial = Circuit.of(drive).sections
+    last = int(initial[0].end)
+    assert last > 34 + 2
+    report = drive.check()
+    zero = round((report.first_seat_angle[0] - report.phase[0]) * 60 / (2 * math.pi))
+    wheel, gap = np.zeros((2, *run.array("tooth_index").shape), np.int32)
+    for bushing in (last - 2, last - 1):
+        wheel[:, bushing], gap[:, bushing] = 1, (zero + bushing) % 60
+    result = replace(run, arrays=run.arrays | {"tooth_sprocket": wheel, "tooth_index": gap})
+    circuit = Circuit.during(result, slice(0, 1))
+    np.testing.assert_allclose(
+        [section.begin for section in circuit.sections],
+        [section.begin for section in initial],
+        atol=1e-9,
+    )
+    np.testing.assert_allclose(circuit.moved(result)[0], 0.0, atol=1e-9)
+
+
 def test_the_tension_is_the_pull_along_the_links_ahead(run):
     """Pins are in links with odd number: forces on the pin count, of bushings their opposite.
 
