@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
+import io
 import json
 import pickle
 import sys
@@ -26,12 +27,14 @@ def digest_of(value: object) -> str:
     The hash of a Python function covers code, names of arguments, defaults, attributes and the
     values of a closure. It also covers numbers, text, functions and classes that the code refers
     to by name or as an attribute of a module. That of an object covers its class, with the methods
-    and values of it, too. Code of rustchain, Python and installed packages counts by its name.
+    and values of it, and the functions and classes that it holds, too. Code of rustchain, Python
+    and installed packages counts by its name.
 
     Raises
     ------
     InvalidInput
-        The value holds something without an identity, such as an open file, or itself.
+        The value holds something without an identity, such as an open file or a function that
+        `numpy.frompyfunc` made, or itself.
     """
     try:
         text = json.dumps(_part(value, _Seen(None, [])), sort_keys=True, ensure_ascii=True)
@@ -130,6 +133,8 @@ def _code(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
         return ["module", value.__name__]
     if isinstance(value, type) and seen.has(value):
         return ["class", *_class(value, seen)]
+    if isinstance(value, np.ufunc):
+        _check_named(value)
     if isinstance(value, type | types.BuiltinFunctionType | np.ufunc):
         return [
             "name",
@@ -147,25 +152,47 @@ def _object(value: Any, seen: _Seen) -> list[Any]:  # noqa: ANN401
     if (identity := getattr(kind, "_identity_in_store", None)) is not None:
         return [kind.__qualname__, _part(identity(value), seen)]
     try:
-        content = hashlib.sha256(pickle.dumps(value, protocol=4)).hexdigest()
+        content = hashlib.sha256(_pickled(value, seen)).hexdigest()
     except Exception as error:  # whatever a class of the user's does
         if seen.foreign:
             return [kind.__module__, kind.__qualname__]
+        if isinstance(error, InvalidInput):
+            raise
         msg = (
             f"store: {shown(value)} has no identity by which a stored case could be found "
             f"({error}); expected functions of numbers, text and arrays"
         )
         raise InvalidInput(msg) from error
-    parts = [kind.__module__, kind.__qualname__, content]
-    if not seen.has(kind):
-        return parts
-    try:
-        reduced = value.__reduce_ex__(4)  # in its state, pickle has functions and classes by name
-    except TypeError:  # pickle has a function of copyreg for it
-        return parts
-    state = reduced[2] if isinstance(reduced, tuple) and len(reduced) > 2 else None
-    inside = seen.inside(kind.__module__)
-    return [*parts, _part(kind, inside), _part(state, inside)]
+    return [kind.__module__, kind.__qualname__, content]
+
+
+def _pickled(value: Any, seen: _Seen) -> bytes:  # noqa: ANN401
+    """Return an object as pickle has it, with the code of the user's functions and classes."""
+    own = seen.inside(type(value).__module__) if seen.module is None else seen
+
+    class Pickler(pickle.Pickler):
+        def persistent_id(self, each: Any) -> Any:  # noqa: ANN401
+            code = isinstance(each, types.FunctionType | type) and own.has(each)
+            if code or isinstance(each, np.ufunc):
+                return json.dumps(_part(each, own), sort_keys=True)
+            return None
+
+    file = io.BytesIO()
+    Pickler(file, protocol=4).dump(value)
+    return file.getvalue()
+
+
+def _check_named(function: np.ufunc) -> None:
+    """Refuse a function that no installed package has: `numpy.frompyfunc` shows no Python code."""
+    for module, found in list(sys.modules.items()):
+        there = getattr(found, "__dict__", {}).get(function.__name__) is function
+        if there and module != "__main__" and not _is_of_user(module):
+            return
+    msg = (
+        f"store: {shown(function)} has no identity by which a stored case could be found (its "
+        "Python code cannot be read); call the function itself, or numpy.vectorize of it"
+    )
+    raise InvalidInput(msg)
 
 
 def _function(function: types.FunctionType, seen: _Seen) -> list[Any]:
@@ -228,7 +255,9 @@ def _members(kind: type, seen: _Seen) -> dict[str, Any]:
     for name, value in vars(kind).items():
         code = isinstance(value, types.FunctionType) or hasattr(value, "__wrapped__")
         if code or not name.startswith("__"):
-            with contextlib.suppress(InvalidInput):  # such as a lock
+            # Without an identity are locks and the like; a function always counts.
+            quiet = () if isinstance(value, np.ufunc) else (InvalidInput,)
+            with contextlib.suppress(*quiet):
                 found[name] = _part(value, seen)
     return found
 

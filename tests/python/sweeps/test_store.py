@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import special
 
 import load
 import rustchain as rc
@@ -626,6 +627,57 @@ def test_files_beside_the_package_are_of_the_user():
     assert is_of_user(str(package.with_name("rustchain_study") / "errors.py"))
     assert not is_of_user(np.__file__)
     assert not is_of_user("/home/me/.local/lib/python3.11/site-packages/tool/part.py")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "g = np.vectorize(f)\ndef measure(r): return g(r)",
+        "g = collections.deque([f])\ndef measure(r): return g[0](r)",
+        "class C:\n one = f\ng = collections.deque([C()])\ndef measure(r): return g[0].one(r)",
+        "class C: pass\nmeasure = C()\nmeasure.inner = np.vectorize(f)",
+    ],
+)
+def test_functions_that_objects_of_installed_packages_hold_count(text, monkeypatch):
+    def digest(added):
+        module = types.ModuleType("of_held")
+        monkeypatch.setitem(sys.modules, "of_held", module)
+        head = f"import collections\nimport numpy as np\ndef f(*r): return len(r) + {added}\n"
+        exec(head + text, vars(module))
+        return digest_of(module.measure)
+
+    assert digest(1) == digest(1)
+    assert digest(1) != digest(2)
+
+
+FROM_PYTHON = "import numpy as np\ng = np.frompyfunc(lambda x: x + 1, 1, 1)\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def measure(r): return g(r)",
+        "measure = g",
+        "class C:\n inner = g\nmeasure = C()",
+        "class C: pass\nmeasure = C()\nmeasure.inner = g",
+        "import of_ufunc as h\ndef measure(r): return h.g(r)",
+    ],
+)
+def test_a_function_that_numpy_made_of_one_in_python_is_refused(text, monkeypatch):
+    """NumPy shows nothing of its code: two of them would have the same identity."""
+    module = types.ModuleType("of_ufunc")
+    module.__file__ = "of_ufunc.py"
+    monkeypatch.setitem(sys.modules, "of_ufunc", module)
+    exec(FROM_PYTHON + text, vars(module))
+    said = r"^store: <ufunc '<lambda> .*'> has no identity .*its Python code cannot be read"
+    with pytest.raises(rc.InvalidInput, match=said):
+        digest_of(module.measure)
+
+
+def test_functions_of_numpy_and_scipy_count_by_their_names():
+    found = {f for module in (np, special) for f in vars(module).values() if type(f) is np.ufunc}
+    assert len(found) > 200
+    assert len({digest_of(each) for each in found}) >= len({str(each) for each in found})
 
 
 def test_a_value_that_holds_itself_has_no_identity():
