@@ -93,6 +93,7 @@ class Stream:
         self._file: Any = None
         # Not in the main thread: h5py's weak references would swallow a Ctrl-C.
         self._thread = ThreadPoolExecutor(1)
+        self._thread.submit(int)  # starts it: a Ctrl-C during its start would lose it with its work
         try:
             self._do(self._open)
         except BaseException:
@@ -169,12 +170,12 @@ class Stream:
         check_writable(self._path, "out")  # in words of the system: those of HDF5 are its own
         with new_file(self._path, "out") as (part, self._path):
             self._write_header(part)
+            self._status = part.stat()
         # Without a cache of chunks: closing one that is not written ends the process when the disc
         # is full. Pieces have whole chunks, which are written once.
         self._file = h5py.File(self._path, "r+", libver="v110", rdcc_nbytes=0)
-        self._file.swmr_mode = True
-        self._status = self._path.stat()
         self._check_ours()
+        self._file.swmr_mode = True
 
     def _write_header(self, part: Path) -> None:
         """Write all that is known before the first row."""

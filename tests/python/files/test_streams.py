@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 import weakref
 from itertools import pairwise
@@ -478,25 +479,153 @@ def test_a_file_that_another_program_replaced_keeps_every_byte(after, tmp_path):
     assert len(moved.time) >= 256
 
 
+def test_a_file_that_is_removed_during_its_run_ends_it(tmp_path):
+    path = tmp_path / "run.nc"
+
+    def removed(simulation):
+        if simulation.time > 0.015:
+            path.unlink(missing_ok=True)
+
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
+    with pytest.raises(OSError, match="was replaced or removed while the run wrote it"):
+        rc.Simulation(rc.paper_drive()).run(**run, out=path, callback=removed)
+    assert not path.exists()
+
+
+def test_a_file_that_is_replaced_when_it_is_opened_for_rows_keeps_every_byte(tmp_path, monkeypatch):
+    path, opens = tmp_path / "run.nc", h5py.File
+    content = bytes(25_600)
+
+    def opened(where, mode, **keywords):
+        made = opens(where, mode, **keywords)
+        if mode == "r+":
+            (tmp_path / "new.nc").write_bytes(content)
+            (tmp_path / "new.nc").replace(path)
+        return made
+
+    simulation = rc.Simulation(rc.paper_drive())
+    with monkeypatch.context() as patched:
+        patched.setattr(h5py, "File", opened)
+        with pytest.raises(OSError, match="was replaced or removed while the run wrote it"):
+            simulation.run(1e-3, progress=False, out=path)
+    assert path.read_bytes() == content
+    assert simulation.time == 0.0
+
+
+def test_other_programs_may_read_a_file_while_it_is_written(tmp_path):
+    """Bits 1 and 3 of the superblock's marks: open for writing, by a single writer with readers."""
+    path, marks = tmp_path / "run.nc", set()
+    run = {"duration": 1e-3, "progress": False, "out": path}
+    rc.Simulation(rc.paper_drive()).run(
+        **run, callback=lambda simulation: marks.add(path.read_bytes()[11])
+    )
+    assert marks == {5}
+    assert path.read_bytes()[11] == 0
+
+
 @pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
-@pytest.mark.parametrize("piece", [2, 3])
-def test_a_file_without_its_last_pieces_is_not_of_a_finished_run(piece, tmp_path, monkeypatch):
+def test_a_piece_that_fails_ends_the_run_before_another_one_is_taken(tmp_path, monkeypatch):
+    """The second is handed over while the first is being written."""
+    append, pieces, second = Stream.append, [], threading.Event()
+
+    def appended(stream, take, jumps):
+        def noted():
+            pieces.append(take)
+            return take()
+
+        if pieces:
+            second.set()
+        append(stream, noted, jumps)
+
+    def full(file, offset, size):
+        second.wait(600.0)
+        time.sleep(0.2)  # with less, a run that does not wait may go unnoticed
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Stream, "append", appended)
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
+    with pytest.raises(OSError, match=r"No space left.*its first 0 rows are in"):
+        rc.Simulation(rc.paper_drive()).run(**run, out=tmp_path / "run.nc")
+    assert len(pieces) == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
+def test_a_disc_that_keeps_no_room_is_written_nevertheless(tmp_path, monkeypatch):
+    def unable(file, offset, size):
+        raise OSError(errno.EOPNOTSUPP, "Operation not supported")
+
+    monkeypatch.setattr(os, "posix_fallocate", unable)
+    path = tmp_path / "run.nc"
+    result = SCENES["mechanism"]().run(**RUNS["mechanism"], out=path, progress=False)
+    same(SCENES["mechanism"]().run(**RUNS["mechanism"], progress=False), rc.load_result(path))
+    assert result.success
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
+def test_a_file_without_room_for_its_end_is_not_of_a_finished_run(tmp_path, monkeypatch):
+    reserve, kept = os.posix_fallocate, []
+
+    def full_at_the_end(file, offset, size):
+        kept.append(size)
+        if len(kept) == 2:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        reserve(file, offset, size)
+
+    monkeypatch.setattr(os, "posix_fallocate", full_at_the_end)
+    path = tmp_path / "run.nc"
+    with pytest.raises(OSError, match=r"No space left.*its first 11 rows are in"):
+        rc.Simulation(rc.paper_drive()).run(1e-3, out=path, progress=False)
+    loaded = rc.load_result(path)
+    assert (loaded.status, len(loaded.time)) == ("interrupted", 11)
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
+def test_a_run_that_fails_on_a_full_disc_has_its_own_error_in_the_file(tmp_path, monkeypatch):
+    reserve, kept = os.posix_fallocate, []
+
+    def full_at_first(file, offset, size):
+        kept.append(size)
+        if len(kept) == 1:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        reserve(file, offset, size)
+
+    def fails(simulation):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(os, "posix_fallocate", full_at_first)
+    path = tmp_path / "run.nc"
+    with pytest.raises(ZeroDivisionError):
+        rc.Simulation(rc.paper_drive()).run(1e-3, out=path, progress=False, callback=fails)
+    assert len(kept) == 2
+    with h5py.File(path) as file:
+        end = json.loads(file["run/end"][:].tobytes())
+    assert (end["status"], end["message"]) == ("failed", "ZeroDivisionError()")
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
+@pytest.mark.parametrize(
+    ("piece", "number"), [(2, errno.ENOSPC), (3, errno.ENOSPC), (2, errno.EDQUOT), (2, errno.EFBIG)]
+)
+def test_a_file_without_its_last_pieces_is_not_of_a_finished_run(
+    piece, number, tmp_path, monkeypatch
+):
     reserve, kept = os.posix_fallocate, []
 
     def full_once(file, offset, size):  # for a piece; the end, which is short, has room
         kept.append(size)
         if len(kept) == piece:
-            raise OSError(errno.ENOSPC, "No space left on device")
+            raise OSError(number, "No room left")
         reserve(file, offset, size)
 
     monkeypatch.setattr(os, "posix_fallocate", full_once)
     path = tmp_path / "run.nc"
     run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
-    with pytest.raises(OSError, match=r"No space left.*its first \d+ rows are in") as failed:
+    with pytest.raises(OSError, match=r"No room left.*its first \d+ rows are in") as failed:
         rc.Simulation(rc.paper_drive()).run(**run, out=path)
     loaded = rc.load_result(path)
     assert loaded.status == "failed"
-    assert "No space left" in loaded.message
+    assert "No room left" in loaded.message
     assert len(loaded.time) == 256 * (piece - 1)
     same(failed.value.result, loaded)
 

@@ -18,7 +18,9 @@ import rustchain as rc
 from cores import CoreAround, cores_within
 from rustchain import _rustchain
 from rustchain.results import netcdf
+from rustchain.results import stream as stream_module
 from rustchain.results.stream import Stream
+from rustchain.results.superblock import is_marked
 from rustchain.simulation import simulation as module
 from rustchain.simulation.core import core_of, start_of
 
@@ -577,27 +579,40 @@ def test_ctrl_c_during_the_wait_for_the_end_of_a_file_changes_no_status(
 
 
 @needs_signals_to_threads
-def test_ctrl_c_while_a_file_is_opened_is_heard_before_the_first_step(tmp_path, monkeypatch):
+@pytest.mark.parametrize("waits", [False, True])
+def test_ctrl_c_while_a_file_is_opened_is_heard_before_the_first_step(waits, tmp_path, monkeypatch):
+    """Before the main thread waits for the thread that opens the file, or during the wait."""
     opens, heard = vars(Stream)["_open"], threading.Event()
+    wait, waiting = stream_module.wait, threading.Event()
 
     def press(number, frame):
         if not heard.is_set():
             heard.set()
             raise KeyboardInterrupt
 
+    def waited(futures):
+        waiting.set()
+        return wait(futures)
+
     def slow(stream):
+        if waits:
+            waiting.wait(60.0)
         assert heard_by_main_thread(heard)
         opens(stream)
 
+    monkeypatch.setattr(stream_module, "wait", waited)
     monkeypatch.setattr(Stream, "_open", slow)
     simulation = rc.Simulation(rc.paper_drive(25.0))
     before = signal.signal(signal.SIGINT, press)
     try:
-        with pytest.raises(KeyboardInterrupt):
+        with pytest.raises(KeyboardInterrupt) as raised:
             simulation.run(1e-3, 1e-4, out=tmp_path / "run.nc", progress=False)
     finally:
         signal.signal(signal.SIGINT, before)
     assert simulation.time == 0.0
+    # Closed, although the traceback still has the object that opened it.
+    assert raised.tb is not None
+    assert not is_marked(tmp_path / "run.nc")
 
 
 def test_an_error_of_the_disc_behind_ctrl_c_has_its_rows(tmp_path, monkeypatch):
