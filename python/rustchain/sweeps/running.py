@@ -55,8 +55,8 @@ class DaskClient(Protocol):
         """Return an executor that runs on the client's cluster."""
 
 
-Running: TypeAlias = Generator["tuple[Case, Outcome] | None", None, None]
-"""Cases as they end; None now and then, for Ctrl-C."""
+Running: TypeAlias = Generator["tuple[Case, Outcome]", None, None]
+"""Cases as they end."""
 
 
 def cores() -> int:
@@ -118,11 +118,9 @@ def _run_in_pool(
     try:
         for _ in ready:
             fetched = None
-            while fetched is None:
+            while fetched is None:  # after a moment of wall time, for Ctrl-C
                 fetched = ensemble.fetch(WALL_BUDGET)
                 bar.update(before + ensemble.simulated - bar.n)
-                if fetched is None:
-                    yield None
             number, core, failure = fetched
             case = ready[number]
             if core is not None and case.scene.positions is not None:
@@ -183,12 +181,9 @@ def _run_on_threads(
 
     with ThreadPoolExecutor(threads) as pool:
         try:
-            for ended in _in_turn(cases, submit, 2 * threads):
-                if ended is not None:
-                    case, outcome = ended
-                    bar.update(seconds_of(case.run))
-                    ended = case, measured(outcome, measure)
-                yield ended
+            for case, outcome in _in_turn(cases, submit, 2 * threads):
+                bar.update(seconds_of(case.run))
+                yield case, measured(outcome, measure)
         finally:
             given_up.set()
 
@@ -204,10 +199,9 @@ def run_on(
     dask = getattr(executor, "get_executor", None)
     pool: Any = executor if dask is None else dask(pure=False)
     run = partial(run_and_measure, looks=looks, measure=measure)
-    for ended in _in_turn(cases, partial(pool.submit, run), _MOST_SUBMITTED):
-        if ended is not None:
-            bar.update(seconds_of(ended[0].run))
-        yield ended
+    for case, outcome in _in_turn(cases, partial(pool.submit, run), _MOST_SUBMITTED):
+        bar.update(seconds_of(case.run))
+        yield case, outcome
 
 
 def check_executor(executor: object) -> None:
@@ -244,8 +238,7 @@ def _in_turn(
             if waiting:
                 try:
                     future = ended.get(timeout=WALL_BUDGET)
-                except Empty:
-                    yield None
+                except Empty:  # after a moment of wall time, for Ctrl-C
                     continue
                 yield waiting.pop(future), _outcome(future)
     finally:

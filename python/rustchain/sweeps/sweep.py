@@ -201,8 +201,8 @@ def sweep(
                 else run_on(executor, todo, looks, measure, bar)
             )
             with closing(running):
-                for ended in filter(None, running):
-                    sweep.take(*ended)
+                for case, outcome in running:
+                    sweep.take(case, outcome)
                     sweep.tell(bar)
     except KeyboardInterrupt:
         found.status = "interrupted"

@@ -89,3 +89,40 @@ def test_cases_that_wait_at_an_executor_are_cancelled_behind_an_interrupt():
         finally:
             goes_on.set()
     assert len(waiting) == 2
+
+
+def own_error(simulation):
+    raise LookupError("not there")
+
+
+@pytest.mark.parametrize("executor", [None, "threads"])
+@pytest.mark.parametrize(
+    ("axes", "keywords"),
+    [
+        ({"chain.material.elastic_modulus": [2e11, 1e300]}, {"duration": 5e-3}),
+        ({"chain.material.elastic_modulus": [2e11, -1.0]}, {"duration": 1e-3}),
+        ({"sprockets.2.center": [PAPER.sprockets[1].center, (9.0, 0.0)]}, {"duration": 1e-3}),
+        ({"speed": [10.0, 11.0]}, {"duration": 1e-3, "callback": own_error}),
+        ({"speed": [10.0, 11.0]}, {"duration": 1e-3, "measure": own_error}),
+        ({"start": ["generated", "none"]}, {"duration": 1e-3, "callback": lambda _: False}),
+    ],
+    ids=["fails", "is refused", "has no layout", "callback", "measure", "no start"],
+)
+def test_an_error_of_a_case_holds_no_frames_with_all_that_its_run_has(axes, keywords, executor):
+    with ThreadPoolExecutor(1) as pool:
+        keywords = keywords | {"executor": None if executor is None else pool}
+        with pytest.warns(rc.CaseWarning, match="cases failed"):
+            found = rc.sweep(PAPER, axes, progress=False, **keywords)
+    for error in found.errors.values():
+        while error is not None:
+            assert error.__traceback__ is None
+            error = error.__cause__ or error.__context__
+
+
+def test_a_case_of_more_rows_than_memory_has_is_refused_alone(monkeypatch):
+    monkeypatch.setattr("rustchain.simulation.run._memory", lambda: 1e6)
+    axes = {"report_step": [1e-3, 1e-5]}
+    with pytest.warns(rc.CaseWarning, match="1 of 2 cases failed.*memory has .* for them"):
+        found = rc.sweep(PAPER, axes, duration=0.01, progress=False)
+    assert list(found.errors) == [1]
+    assert found.errors[1].__traceback__ is None

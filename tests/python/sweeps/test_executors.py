@@ -206,6 +206,46 @@ def test_an_executor_stays_open_and_measures_where_it_runs():
     assert all(name.startswith("own") for name in threads)
 
 
+@pytest.mark.parametrize("where", ["pool", "threads", "executor"])
+def test_no_more_cases_are_made_ahead_than_run_at_once_and_wait(where, monkeypatch):
+    """Of ten cases two, so that the memory of a sweep does not grow with their number."""
+    monkeypatch.setattr("rustchain.sweeps.running._PORTION", 2)
+    monkeypatch.setattr("rustchain.sweeps.running._MOST_SUBMITTED", 2)
+    built, counts = [], []
+
+    def build(pretension):
+        built.append(pretension)
+        return rc.paper_drive(pretension)
+
+    def measure(result):
+        counts.append(len(built))
+
+    with ThreadPoolExecutor(1) as pool:
+        keywords = {
+            "pool": {"threads": 1},
+            "threads": {"threads": 1, "callback": lambda _: False},
+            "executor": {"executor": pool},
+        }[where]
+        axes = {"pretension": [10.0 + k for k in range(10)]}
+        found = rc.sweep(build, axes, measure, duration=1e-3, progress=False, **keywords)
+    assert len(counts) == found.finished == 10
+    assert all(count <= place + 1 for place, count in enumerate(counts, 1))
+
+
+def test_a_client_of_dask_runs_equal_cases_each_for_itself():
+    asked = []
+
+    class Client(ThreadPoolExecutor):
+        def get_executor(self, *, pure):
+            asked.append(pure)
+            return self
+
+    with Client(1) as client:
+        found = rc.sweep(PAPER, {"speed": [10.0]}, executor=client, **SHORT)
+    assert found.success
+    assert asked == [False]
+
+
 def test_a_loss_map_runs_on_an_executor():
     drive = rc.two_sprocket_drive(teeth=(17, 17), links=40, pretension=50.0)
     keywords = {"duration": 0.02, "burn_in": 0.01, "progress": False}

@@ -793,7 +793,8 @@ def test_a_warning_raised_as_an_error_has_the_result():
     assert caught.value.result.finished == 1
 
 
-def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
+@pytest.mark.parametrize("portion", [1, 64])
+def test_progress_is_shown_in_cases_and_simulated_seconds(portion, monkeypatch):
     bars = []
 
     class Bar:
@@ -817,7 +818,8 @@ def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
             self.said.append(text)
 
     monkeypatch.setattr("tqdm.auto.tqdm", Bar)
-    rc.sweep(PAPER, {"duration": [1e-3, 2e-3]})
+    monkeypatch.setattr("rustchain.sweeps.running._PORTION", portion)
+    rc.sweep(PAPER, {"duration": [1e-3, 2e-3]}, threads=1)
     rc.sweep(PAPER, {"duration": [1e-3]}, progress=False)
     (shown,) = bars
     assert shown.keywords["total"] == pytest.approx(3e-3)
