@@ -81,10 +81,7 @@ class Recording:
                 result = self.result("finished" if reason is None else "stopped", reason)
             except KeyboardInterrupt:
                 result = self.result("interrupted")
-        except KeyboardInterrupt:  # again, while the result is made
-            self.result("interrupted")  # the file gets its end nevertheless
-            raise
-        except BaseException as error:
+        except BaseException as error:  # also Ctrl-C again, while the result is made
             told = str(error) if isinstance(error, SimulationError) else repr(error)
             status: Status = "failed" if isinstance(error, Exception) else "interrupted"
             attach(error, "result", self.result(status, told))

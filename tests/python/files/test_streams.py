@@ -5,6 +5,7 @@ import json
 import os
 import pickle
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -89,10 +90,24 @@ def test_pieces_have_the_bits_of_a_run_in_memory(kind, tmp_path):
 
 
 def test_pieces_of_time_have_the_bits_of_a_run_in_memory(tmp_path, monkeypatch):
+    append, lengths = Stream.append, []
+
+    def noted(stream, take, jumps):
+        def taken():
+            rows = take()
+            lengths.append(len(rows["time"]))
+            return rows
+
+        append(stream, taken, jumps)
+
+    monkeypatch.setattr(Stream, "append", noted)
     monkeypatch.setattr("rustchain.simulation.recording._BETWEEN_PIECES", 0.0)
     result = SCENES["clearance"]().run(**RUNS["clearance"], progress=False)
     out = tmp_path / "run.nc"
     same(result, SCENES["clearance"]().run(**RUNS["clearance"], progress=False, out=out))
+    # Each chunk is written once.
+    with h5py.File(out) as file:
+        assert {length % file["time"].chunks[0] for length in lengths} == {0}
 
 
 @pytest.mark.parametrize("kind", SCENES)
@@ -115,6 +130,31 @@ def test_stop_conditions_and_callbacks_see_the_same_rows(kind, tmp_path):
     assert streamed.status == "stopped"
     assert times == again
     same(result, streamed)
+
+
+def test_a_callback_sees_each_row_where_a_piece_has_a_single_one(tmp_path):
+    run = {"duration": 2e-3, "report_step": 1e-4, "progress": False, "out": tmp_path / "run.nc"}
+    with pytest.raises(rc.InvalidInput, match="expected at least") as refused:
+        SCENES["mechanism"]().run(**run, memory=1)
+    least = int(re.search(r"at least (\d+)", str(refused.value))[1])
+    times = []
+    result = SCENES["mechanism"]().run(
+        **run, memory=least, callback=lambda simulation: times.append(simulation.time)
+    )
+    with h5py.File(tmp_path / "run.nc") as file:
+        assert file["time"].chunks == (1,)
+    assert times == list(result.time)
+    assert len(times) == 21
+
+
+def test_the_energy_balance_of_a_run_with_a_file_is_judged_once(tmp_path):
+    drive = rc.paper_drive(hinges="ideal", pretension=100.0)
+    run = {"record": ("energy",), "progress": False}
+    simulation = rc.Simulation(drive, solver=rc.Solver(method="pece", rtol=0.3, atol=0.03))
+    with pytest.raises(rc.EnergyWarning, match="the energy balance is off") as raised:
+        simulation.run(0.02, **run, out=tmp_path / "run.nc")
+    assert raised.value.result.success
+    assert simulation.run(1e-5, **run).success
 
 
 def test_tooth_jumps_are_in_the_file(tmp_path):

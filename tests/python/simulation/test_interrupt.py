@@ -10,6 +10,8 @@ import subprocess
 import sys
 import threading
 import time
+from itertools import chain, repeat, starmap
+from operator import itemgetter
 
 import numpy as np
 import pytest
@@ -484,6 +486,30 @@ def test_ctrl_c_while_a_result_is_made_loses_no_row():
     assert len(result.time) == len(result.array("tooth_force")) == 11
 
 
+class PressedInIts(CoreAround):
+    """A core that presses Ctrl-C as it gives the rows away, without a step of the interpreter."""
+
+    def __init__(self, core):
+        super().__init__(core)
+        rows = starmap(core.take_recording, [()])
+        pressed = starmap(ctypes.pythonapi.PyErr_SetInterrupt, [()])
+        first = map(itemgetter(0), zip(rows, pressed, strict=True))
+        later = starmap(core.take_recording, repeat(()))
+        self.take_recording = functools.partial(next, chain(first, later))
+
+
+def test_ctrl_c_as_the_core_gives_its_rows_away_loses_none():
+    with cores_within(PressedInIts):
+        simulation = rc.Simulation(rc.paper_drive())
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        result = simulation.run(1e-3, 1e-4, record=("teeth",), progress=False)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert result.status == "interrupted"
+    assert len(result.time) == len(result.array("tooth_force")) == 11
+
+
 @pytest.mark.parametrize(("behind", "status"), [(False, "interrupted"), (True, "finished")])
 def test_ctrl_c_while_a_file_gets_its_end_leaves_file_and_result_alike(
     behind, status, tmp_path, monkeypatch
@@ -521,11 +547,12 @@ def test_ctrl_c_twice_before_a_file_gets_its_end_leaves_it_whole(tmp_path, monke
 
     monkeypatch.setattr(Stream, "finish", interrupted)
     path = tmp_path / "run.nc"
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(KeyboardInterrupt) as raised:
         rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-4, out=path, progress=False)
     rows = rc.load_result(path)
     assert rows.message == "interrupted at t = 0.001 s"
-    assert len(rows.time) == 11
+    assert len(rows.time) == len(raised.value.result.time) == 11
+    assert raised.value.result.status == "interrupted"
 
 
 def heard_by_main_thread(heard):

@@ -1,5 +1,6 @@
 """Runs that end before their time: stop conditions, and callbacks at the rows."""
 
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import numpy as np
@@ -105,6 +106,34 @@ def test_a_time_is_that_of_the_simulation_and_the_first_of_several_conditions_co
     result = simulation.run(DURATION, progress=False, stop=conditions)
     assert result.time[-1] == pytest.approx(4e-3)
     assert result.message == "stopped at t = 0.004 s: reached 0.004 s"
+
+
+def test_all_that_stops_a_run_at_one_row_is_told():
+    stop = [rc.TimeReached(1e-3), rc.TimeReached(2e-3), rc.TimeReached(0.9995e-3)]
+    result = start().run(DURATION, 1e-3, progress=False, stop=stop, callback=lambda _: True)
+    assert result.message == "stopped at t = 0 s: the callback returned True"
+    result = start().run(
+        DURATION, 1e-3, progress=False, stop=stop, callback=lambda s: s.time > 9e-4
+    )
+    told = "reached 0.001 s; reached 0.0009995 s; the callback returned True"
+    assert result.message == f"stopped at t = 0.001 s: {told}"
+
+
+def test_progress_counts_what_a_continued_run_has_simulated(monkeypatch):
+    counted = []
+
+    @contextmanager
+    def counts(total, progress):
+        bar = SimpleNamespace(n=0.0, total=total)
+        bar.update = lambda n: setattr(bar, "n", bar.n + n)
+        yield bar
+        counted.append((bar.n, bar.total))
+
+    monkeypatch.setattr("rustchain.simulation.recording.seconds_bar", counts)
+    simulation = start()
+    for duration in (2e-3, 1e-3):
+        simulation.run(duration, progress=False)
+    assert counted == [pytest.approx((2e-3, 2e-3)), pytest.approx((1e-3, 1e-3))]
 
 
 def test_a_time_is_reached_to_rounding():
