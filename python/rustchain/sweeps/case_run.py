@@ -153,8 +153,6 @@ def run_case(
     case: Case, simulation: Quiet, looks: Looks, given_up: threading.Event | None = None
 ) -> Outcome:
     """Run the simulation of a case."""
-    if given_up is not None and given_up.is_set():
-        raise KeyboardInterrupt
     simulation.given_up = given_up
     result: Result | None = None
     failure: Exception | None = None

@@ -23,6 +23,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import rustchain as rc
+from cores import CoreAround, cores_within
 from rustchain.cli.app import app
 from rustchain.results import netcdf
 from rustchain.results.stored import is_streamed
@@ -155,6 +156,34 @@ def test_the_energy_balance_of_a_run_with_a_file_is_judged_once(tmp_path):
         simulation.run(0.02, **run, out=tmp_path / "run.nc")
     assert raised.value.result.success
     assert simulation.run(1e-5, **run).success
+
+
+class EndsInNoNumber(CoreAround):
+    """A core whose last row has no residual, as after a step that failed."""
+
+    def take_recording(self):
+        return self.without_last(self.core.take_recording())
+
+    def take_rows(self, count):
+        return self.without_last(self.core.take_rows(count))
+
+    @staticmethod
+    def without_last(rows):
+        if len(rows.get("time", ())):
+            rows["energy_residual"] = rows["energy_residual"].copy()
+            rows["energy_residual"][-1] = np.nan
+        return rows
+
+
+@pytest.mark.parametrize("out", [None, "run.nc"])
+def test_the_largest_residual_is_that_of_the_rows_that_have_one(out, tmp_path):
+    with cores_within(EndsInNoNumber):
+        simulation = rc.Simulation(rc.paper_drive(25.0))
+    path = None if out is None else tmp_path / out
+    result = simulation.run(2e-3, 1e-4, progress=False, out=path)
+    residual = result.energy.residual
+    assert np.isnan(residual[-1])
+    assert result.stats["largest_residual"] == np.abs(residual[:-1]).max() > 0.0
 
 
 def test_tooth_jumps_are_in_the_file(tmp_path):

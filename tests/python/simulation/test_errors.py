@@ -2,6 +2,7 @@
 
 import inspect
 import logging
+from dataclasses import replace
 
 import pytest
 
@@ -44,3 +45,14 @@ def test_the_log_says_why_a_run_ended_early(caplog):
     with caplog.at_level(logging.INFO, "rustchain"), pytest.raises(ZeroDivisionError):
         simulation.run(duration=1e-3, progress=False, callback=fails)
     assert caplog.records[-1].message.endswith("of 0.001 s: ZeroDivisionError()")
+
+
+def test_a_run_that_fails_has_rows_and_the_words_of_its_error():
+    drive = rc.paper_drive(25.0)
+    rigid = replace(drive.chain.material, elastic_modulus=1e300)
+    drive = replace(drive, chain=replace(drive.chain, material=rigid))
+    with pytest.raises(rc.SimulationError) as failed:
+        rc.Simulation(drive).run(duration=5e-3, progress=False)
+    result = failed.value.result
+    assert (result.status, result.message) == ("failed", str(failed.value))
+    assert len(result.time) > 1
