@@ -374,6 +374,16 @@ def test_a_streamed_file_of_few_rows_is_small_and_on_the_disc(tmp_path, monkeypa
     assert synced[-1:] == [(tmp_path / "short.nc").stat().st_size]
 
 
+def test_an_error_of_the_disc_as_a_file_is_closed_is_told(tmp_path, monkeypatch):
+    def fails(file):
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(os, "fsync", fails)
+    path = tmp_path / "run.nc"
+    with pytest.raises(OSError, match=r"cannot be written \(Input/output error\).*first 11 rows"):
+        rc.Simulation(rc.paper_drive()).run(1e-3, progress=False, out=path)
+
+
 def test_zeros_in_the_place_of_a_block_are_no_rows(streamed, tmp_path):
     path, result = streamed
     name = next(name for name in ("hinge_force", "position") if name in result.arrays)
@@ -556,9 +566,19 @@ def test_a_file_that_is_removed_during_its_run_ends_it(tmp_path):
             path.unlink(missing_ok=True)
 
     run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
-    with pytest.raises(OSError, match="was replaced or removed while the run wrote it"):
+    with pytest.raises(OSError, match=r"was replaced .* wrote it; give each run its own file$"):
         rc.Simulation(rc.paper_drive()).run(**run, out=path, callback=removed)
     assert not path.exists()
+
+
+def test_an_error_of_hdf5_is_told_in_one_line(tmp_path, monkeypatch):
+    def fails(dataset, *arguments, **keywords):
+        raise RuntimeError("no room (file 1)\n  of another piece")
+
+    monkeypatch.setattr(h5py.Dataset, "resize", fails)
+    told = r"cannot be written \(no room \(file 1\)\); expected .*; its first 0 rows are in .*\.nc$"
+    with pytest.raises(OSError, match=told):
+        rc.Simulation(rc.paper_drive()).run(1e-3, progress=False, out=tmp_path / "run.nc")
 
 
 def test_a_file_that_is_replaced_when_it_is_opened_for_rows_keeps_every_byte(tmp_path, monkeypatch):
