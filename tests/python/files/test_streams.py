@@ -571,6 +571,21 @@ def test_a_file_that_is_removed_during_its_run_ends_it(tmp_path):
     assert not path.exists()
 
 
+def test_a_file_named_from_the_folder_stays_where_it_is_when_the_folder_changes(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path)
+
+    def leaves(simulation):
+        os.chdir(tmp_path / "other")
+
+    run = {"duration": 1e-3, "progress": False, "out": "run.nc"}
+    result = rc.Simulation(rc.paper_drive()).run(**run, callback=leaves)
+    same(result, rc.load_result(tmp_path / "run.nc"))
+    assert list((tmp_path / "other").iterdir()) == []
+
+
 def test_an_error_of_hdf5_is_told_in_one_line(tmp_path, monkeypatch):
     def fails(dataset, *arguments, **keywords):
         raise RuntimeError("no room (file 1)\n  of another piece")

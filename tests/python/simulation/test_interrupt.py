@@ -13,6 +13,7 @@ import time
 from itertools import chain, repeat, starmap
 from operator import itemgetter
 
+import h5py
 import numpy as np
 import pytest
 
@@ -686,6 +687,31 @@ def test_ctrl_c_ends_the_wait_for_the_thread_of_hdf5():
         signal.signal(signal.SIGINT, before)
     assert heard_before == [True]
     assert netcdf.beside(lambda number: number + 1, 1) == 2
+
+
+def test_hdf5_is_used_in_threads_of_its_own(tmp_path, monkeypatch):
+    """In the main thread, weak references of h5py swallow Ctrl-C."""
+    opens, opened = h5py.File, []
+
+    def noted(*arguments, **keywords):
+        opened.append(threading.current_thread())
+        return opens(*arguments, **keywords)
+
+    monkeypatch.setattr(h5py, "File", noted)
+    simulation = rc.Simulation(rc.paper_drive())
+    saved, streamed = tmp_path / "saved.nc", tmp_path / "streamed.nc"
+    calls = [
+        lambda: simulation.run(1e-3, progress=False).save(saved),
+        lambda: rc.load_result(saved),
+        lambda: simulation.run(1e-3, progress=False, out=streamed),
+        lambda: rc.load_result(streamed),
+        lambda: rc.load_result(streamed).array("hinge_force"),
+    ]
+    for call in calls:
+        count = len(opened)
+        call()
+        assert len(opened) > count
+    assert threading.main_thread() not in opened
 
 
 END = 0.05  # [s]
