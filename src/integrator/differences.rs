@@ -392,6 +392,47 @@ mod tests {
     }
 
     #[test]
+    fn the_error_estimates_are_sums_of_squares_at_three_orders() {
+        use crate::integrator::difference_kernels::Errors;
+        for set in InstructionSet::available() {
+            // One vector, and several with a part of one.
+            for dimension in [3, 43] {
+                let rows: [Numbers; 3] = [1.0, 5.0, 8.0].map(|phase| {
+                    let mut row = padded_zeros(dimension);
+                    for i in 0..dimension {
+                        row[i] = (phase + i as f64).sin();
+                    }
+                    row
+                });
+                let (mut vectors, mut weights) = (Vectors::new(dimension), padded_zeros(dimension));
+                for i in 0..dimension {
+                    (vectors.derivative[i], vectors.predicted[i]) = (0.3 * i as f64, i as f64);
+                    weights[i] = 1.0 + 0.1 * i as f64;
+                }
+                let sums = set.run_blocks(Errors {
+                    rows: rows.each_ref().map(|row| &row[..]),
+                    inverse_weight: &weights,
+                    vectors: &mut vectors,
+                    correction: Some(0.25),
+                });
+                let mut expected = [0.0; 3];
+                for i in 0..dimension {
+                    let change = vectors.derivative[i] - rows[0][i];
+                    let changes = [change, change + rows[1][i], change + rows[2][i]];
+                    for (sum, change) in expected.iter_mut().zip(changes) {
+                        *sum += (change * weights[i]).powi(2);
+                    }
+                    let corrected = vectors.predicted[i] + 0.25 * change;
+                    assert!((vectors.trial[i] - corrected).abs() < 1e-14, "{i}");
+                }
+                for (sum, expected) in sums.iter().zip(expected) {
+                    assert!((sum / expected - 1.0).abs() < 1e-13, "{sum} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn rows_above_a_fallen_order_are_completed_for_a_later_rise() {
         let mut table = Differences::new(1);
         let width = table.width;

@@ -22,6 +22,7 @@ import resource
 import signal
 import subprocess
 import sys
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -74,14 +75,14 @@ pub mod mutant {
 class Mutants:
     """The mutants of all files, with those that are left out."""
 
-    def __init__(self, dropped: set[str]) -> None:
-        self.dropped, self.found = dropped, []
+    def __init__(self, dropped: set[str], one_in: int) -> None:
+        self.dropped, self.one_in, self.found = dropped, one_in, []
 
     def number(self, path: str, node: object, text: str) -> int | None:
         """Return the number of a mutant, or None where it was taken out."""
         row, column = (node.child_by_field_name("operator") or node).start_point
         name = f"{path}:{row + 1}:{column + 1}: {text}"
-        if name in self.dropped:
+        if name in self.dropped or zlib.crc32(name.encode()) % self.one_in:
             return None
         self.found.append(name)
         return len(self.found) - 1
@@ -190,8 +191,11 @@ class File:
         return f"{whole[: at + 1]} {early}{whole[at + 1 :]}"
 
 
-def make(copy: Path, patterns: list[str]) -> None:
-    """Copy the repository and put the mutants in, without those that do not compile."""
+def make(copy: Path, patterns: list[str], one_in: int) -> None:
+    """Copy the repository and put the mutants in, without those that do not compile.
+
+    Of `one_in` mutants one is taken, by a hash of its name.
+    """
     copy.mkdir(parents=True, exist_ok=True)
     archive = subprocess.run(
         ["git", "-C", ROOT, "archive", "HEAD"], capture_output=True, check=True
@@ -200,11 +204,13 @@ def make(copy: Path, patterns: list[str]) -> None:
     found = [p for each in patterns for p in copy.glob(each) if p.name != "tests.rs"]
     paths = sorted({str(p.relative_to(copy)) for p in found})
     originals = {path: (copy / path).read_bytes() for path in paths}
-    library = (copy / "src/lib.rs").read_text()
+    # Constants that a mutant makes negative, or zero as a divisor, are errors when they are evaluated.
+    library = "#![allow(warnings, arithmetic_overflow, unconditional_panic)]\n"
+    library += (copy / "src/lib.rs").read_text()
     command = ["cargo", "check", "--locked", "--lib", "--message-format=json"]
     dropped: set[str] = set()
     while True:
-        mutants = Mutants(dropped)
+        mutants = Mutants(dropped, one_in)
         for path, source in originals.items():
             (copy / path).write_text(File(path, source, mutants).written_whole())
         count = SWITCH.replace("COUNT", str(max(len(mutants.found), 1)))
@@ -259,17 +265,19 @@ def processor_time() -> float:
 
 
 def tests_of(
-    copy: Path, programs: dict[str, str], longest: float
+    copy: Path, programs: dict[str, str], match: str, longest: float
 ) -> dict[int, list[tuple[float, str, str]]]:
     """Return processor time [s], program and name of the tests that reach each mutant.
 
-    Tests that take more than `longest` [s] are ended and left out.
+    Tests that take more than `longest` [s] are ended and left out, as are those without `match`.
     """
     reaching: dict[int, list[tuple[float, str, str]]] = collections.defaultdict(list)
     report = copy / "reached"
     for program in programs.values():
         listed = subprocess.run([program, "--list"], capture_output=True, text=True, check=True)
         for test in re.findall(r"^(.+): test$", listed.stdout, re.MULTILINE):
+            if not re.search(match, test):
+                continue
             report.unlink(missing_ok=True)
             begin = processor_time()
             status = ends(copy, program, test, {"MUTANTS_REACHED": str(report)}, int(longest) + 1)
@@ -302,10 +310,12 @@ def ends(copy: Path, program: str, test: str, environment: dict[str, str], limit
     return done.returncode
 
 
-def run(copy: Path, wanted: list[str], only: str, longest: float, out: Path) -> None:
+def run(
+    copy: Path, wanted: list[str], match: str, only: str, longest: float, out: Path
+) -> None:
     """Run the tests that reach each mutant and take less than `longest` [s] without it."""
     names = json.loads((copy / "mutants.json").read_text())
-    reaching = tests_of(copy, binaries(copy, wanted), longest)
+    reaching = tests_of(copy, binaries(copy, wanted), match, longest)
     print(len(names), "mutants,", len(reaching), "reached", flush=True)
     states: dict[str, str] = json.loads(out.read_text()) if out.exists() else {}
 
@@ -342,18 +352,20 @@ def main() -> None:
     making = kinds.add_parser("make")
     making.add_argument("copy", type=Path)
     making.add_argument("files", nargs="+")
+    making.add_argument("--one-in", type=int, default=1, help="take one of this many mutants")
     running = kinds.add_parser("run")
     running.add_argument("copy", type=Path)
     running.add_argument("--tests", nargs="+", default=["lib"])
+    running.add_argument("--match", default="", help="expression that names of tests have")
     running.add_argument("--only", default="", help="expression that names of mutants have")
     running.add_argument("--longest", type=float, default=600.0, help="processor time [s]")
     running.add_argument("--out", type=Path, default=None, help="states, kept between runs")
     given = parser.parse_args()
     if given.kind == "make":
-        make(given.copy.resolve(), given.files)
+        make(given.copy.resolve(), given.files, given.one_in)
     else:
         out = given.out or given.copy / "states.json"
-        run(given.copy.resolve(), given.tests, given.only, given.longest, out)
+        run(given.copy.resolve(), given.tests, given.match, given.only, given.longest, out)
 
 
 if __name__ == "__main__":

@@ -286,6 +286,20 @@ mod tests {
     }
 
     #[test]
+    fn only_contacts_with_teeth_have_a_surface() {
+        let mut memory = memory();
+        for contact in [ContactId::Hinge(2), ContactId::Roller(2)] {
+            memory.set_surface(contact, Some(Surface::FLAT));
+            assert_eq!(memory.surface(contact), None);
+        }
+        assert_eq!(memory, self::memory());
+        memory.set_surface(ContactId::Tooth(2), Some(Surface::FLAT));
+        memory.set_surface(ContactId::Tooth(2), None);
+        assert_eq!(memory.surface(ContactId::Tooth(2)), Some(Surface::FLAT));
+        assert_eq!(memory.surface(ContactId::Tooth(1)), Some(Surface::SEATING));
+    }
+
+    #[test]
     fn an_onset_that_is_taken_back_is_not_counted() {
         let mut memory = memory();
         let hinge = ContactId::Hinge(0);

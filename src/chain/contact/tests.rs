@@ -73,7 +73,7 @@ pub(crate) fn drive() -> Drive {
 }
 
 /// Return the drive with rollers that are bodies of their own.
-pub(super) fn with_rollers() -> Drive {
+pub(crate) fn with_rollers() -> Drive {
     let mut drive = drive();
     drive.chain.roller = Some(Roller {
         radius: drive.chain.bushing_radius,

@@ -365,3 +365,254 @@ impl Kernels {
         self.write_gaps(true);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::chain::contact::ImpactMemory;
+    use crate::chain::contact::tests::{compiled, drive, with_rollers};
+    use crate::chain::motion::Motion;
+    use crate::drive::Drive;
+    use crate::math::simd::InstructionSet;
+
+    /// Kernel: whether an event is possible in these contacts, in a step of this length.
+    struct Possible<'a>(f64, &'a [[[f64; 2]; 2]]);
+
+    impl WithSimd for Possible<'_> {
+        type Output = bool;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> bool {
+            let mut events = Events::none(Lanes::splat(simd, self.0));
+            for ends in self.1 {
+                events.include(ends.map(|end| end.map(|value| Lanes::splat(simd, value))));
+            }
+            events.any()
+        }
+    }
+
+    /// Return whether the tangents at both ends intersect above zero, or the lower bound of the cubic is negative, and the distance from the
+    /// limit.
+    fn expected(h: f64, [[g0, v0], [g1, v1]]: [[f64; 2]; 2]) -> (bool, f64) {
+        if g0 < 0.0 && g1 < 0.0 && v0 > 0.0 && v1 < 0.0 {
+            let height = g0 + v0 * (g1 - g0 - v1 * h) / (v0 - v1);
+            (height > 0.0, height.abs())
+        } else if g0 > 0.0 && g1 > 0.0 && v0 < 0.0 && v1 > 0.0 {
+            let least = g0.min(g1) - 4.0 / 27.0 * h * (v1 - v0);
+            (least < 0.0, least.abs())
+        } else {
+            (false, f64::INFINITY)
+        }
+    }
+
+    #[test]
+    fn events_are_possible_by_the_tangents_at_both_ends_or_the_lower_bound_of_a_cubic() {
+        let none = [[-1.0, -1.0], [-2.0, -1.0]];
+        let (depths, rates) = (
+            [-3.0, -1.1, -0.2, 0.3, 0.9, 2.5],
+            [-4.0, -1.3, -0.3, 0.5, 1.0, 3.0],
+        );
+        let ends = || depths.iter().flat_map(|&g| rates.map(|v| [g, v]));
+        for set in InstructionSet::available() {
+            let mut counts = [0, 0];
+            for h in [0.3, 0.7, 2.0] {
+                for (start, end) in ends().flat_map(|start| ends().map(move |end| (start, end))) {
+                    let contact = [start, end];
+                    let (possible, from_limit) = expected(h, contact);
+                    if from_limit < 1e-12 {
+                        continue;
+                    }
+                    counts[usize::from(possible)] += 1;
+                    for all in [[contact, none], [none, contact]] {
+                        let found = set.run(Possible(h, &all));
+                        assert_eq!(found, possible, "{} {h} {contact:?}", set.name());
+                    }
+                }
+            }
+            assert!(counts[1] > 100, "{counts:?}");
+        }
+    }
+
+    /// A chain whose bodies have left their places by some micrometres, in motion.
+    struct Scene {
+        model: Model,
+        kernels: Kernels,
+        memory: ImpactMemory,
+        y: Vec<f64>,
+    }
+
+    impl Scene {
+        fn of(drive: &Drive) -> Self {
+            let (model, start) = compiled(drive);
+            let mut y = vec![0.0; 2 * model.coordinates];
+            let mut motion = Motion::new(model.bodies());
+            motion.set(&start.positions, &start.velocities);
+            motion.write(&model, &mut y);
+            let (q, v) = y.split_at_mut(model.coordinates);
+            for (i, (q, v)) in q.iter_mut().zip(v).enumerate() {
+                *q += 1e-5 * (3.0 * i as f64).sin();
+                *v = 0.3 + (5.0 * i as f64).sin();
+            }
+            let pairs = model.links * model.sprockets.len();
+            let memory = ImpactMemory::new(model.links, model.roller_count(), pairs, 1e-3);
+            let kernels = Kernels::new(&model);
+            let mut scene = Self {
+                model,
+                kernels,
+                memory,
+                y,
+            };
+            scene.evaluate();
+            scene
+        }
+
+        fn evaluate(&mut self) {
+            let mut accelerations = vec![0.0; self.model.coordinates];
+            let (memory, y) = (&self.memory, &self.y);
+            self.kernels
+                .accelerations(&self.model, memory, 0.0, y, &mut accelerations);
+        }
+
+        fn screen(&mut self) -> Screened {
+            self.kernels.screen(&self.model, 1e-5)
+        }
+
+        fn contacts(&self) -> Vec<(ContactId, [[f64; 2]; 2])> {
+            self.kernels.screening.contacts(&self.model).collect()
+        }
+
+        /// Return place and velocity of the point `arm` along a link, or of the centre of the body with these three coordinates.
+        fn point(&self, [x, y, angle]: [usize; 3], arm: f64) -> [Vec2; 2] {
+            let (q, v) = self.y.split_at(self.model.coordinates);
+            let (sin, cos) = q[angle].sin_cos();
+            [
+                Vec2::new(q[x] + arm * cos, q[y] + arm * sin),
+                Vec2::new(v[x] - arm * v[angle] * sin, v[y] + arm * v[angle] * cos),
+            ]
+        }
+
+        /// Return the ends of the links at a hinge: the front of link k and the rear of the next one.
+        fn ends(&self, k: usize) -> [[Vec2; 2]; 2] {
+            let (n, arms) = (self.model.links, &self.model.chain.arms);
+            let next = (k + 1) % n;
+            [
+                self.point([k, n + k, 2 * n + k], arms[k]),
+                self.point([next, n + next, 2 * n + next], -arms[next]),
+            ]
+        }
+
+        fn bushing(&self, k: usize) -> [Vec2; 2] {
+            self.ends(k)[usize::from(self.model.link_of_bushing(k) != k)]
+        }
+
+        fn roller(&self, k: usize) -> [Vec2; 2] {
+            let (n, first) = (self.model.links, self.model.rollers.as_ref().unwrap().first);
+            self.point([0, 1, 2].map(|axis| first + axis * n + k), 0.0)
+        }
+    }
+
+    #[test]
+    fn depths_rates_and_speed_at_the_end_of_a_step_are_those_of_the_bodies() {
+        for drive in [drive(), with_rollers()] {
+            let mut scene = Scene::of(&drive);
+            let screened = scene.screen();
+            let (model, mut compared, mut fastest) = (&scene.model, 0, 0.0f64);
+            for (contact, [_, [depth, rate]]) in scene.contacts() {
+                let ([one, other], clearance) = match contact {
+                    ContactId::Hinge(k) => (scene.ends(k), model.hinges.clearance),
+                    ContactId::Roller(k) => (
+                        [scene.roller(k), scene.bushing(k)],
+                        model.rollers.as_ref().unwrap().clearance,
+                    ),
+                    ContactId::Tooth(_) => continue,
+                };
+                let (offset, velocity) = (one[0] - other[0], one[1] - other[1]);
+                let expected = (offset.norm_squared() - clearance * clearance) / (2.0 * clearance);
+                // Rounding of coordinates below 1 m and of velocities below 10 m/s.
+                assert!((depth - expected).abs() < 1e-14, "{contact:?}");
+                let expected = offset.dot(&velocity) / clearance;
+                assert!((rate - expected).abs() < 1e-10, "{contact:?}");
+                compared += 1;
+            }
+            assert_eq!(compared, model.links + model.roller_count());
+            for k in 0..model.links {
+                fastest = fastest.max(scene.bushing(k)[1].norm());
+                if model.rollers.is_some() {
+                    fastest = fastest.max(scene.roller(k)[1].norm());
+                }
+            }
+            // Both sprockets are on fixed shafts; the first one turns with 12 rad/s.
+            let free = scene.y[model.coordinates + 3 * model.links];
+            let [first, second] = [0, 1].map(|s: usize| model.sprockets[s].reach);
+            let rim = (12.0 * first).max(free.abs() * second);
+            assert!((screened.speed / (fastest + rim) - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_end_of_a_step_is_the_start_of_the_next_one() {
+        let mut scene = Scene::of(&with_rollers());
+        scene.screen();
+        let before = scene.contacts();
+        scene.kernels.write_gaps(false);
+        scene.kernels.advance_screening();
+        assert!(scene.kernels.write_gaps(true));
+        let n = scene.model.links;
+        for (i, ((contact, [_, end]), (_, [start, _]))) in
+            before.iter().zip(scene.contacts()).enumerate()
+        {
+            assert_eq!(*end, start, "{contact:?}");
+            assert!(i >= n || *end != [0.0; 2], "{contact:?}");
+        }
+    }
+
+    #[test]
+    fn values_of_candidates_follow_into_the_slots_of_a_new_list() {
+        let mut scene = Scene::of(&drive());
+        scene.screen();
+        scene.kernels.advance_screening();
+        let before: HashMap<usize, [f64; 2]> = (scene.contacts().into_iter())
+            .filter_map(|(contact, [start, _])| match contact {
+                ContactId::Tooth(pair) => Some((pair, start)),
+                _ => None,
+            })
+            .collect();
+        let list = scene.kernels.candidates.refreshes();
+        let n = scene.model.links;
+        // All links are displaced by some 6 mm: bushings leave the reach of a sprocket, and others enter it.
+        for (i, q) in scene.y[..2 * n].iter_mut().enumerate() {
+            *q += if i < n { 6e-3 } else { -1e-3 };
+        }
+        scene.evaluate();
+        assert!(scene.kernels.candidates.refreshes() > list);
+        scene.screen();
+        let (mut kept, mut new) = ([0, 0], 0);
+        for (contact, [start, end]) in scene.contacts() {
+            let ContactId::Tooth(pair) = contact else {
+                continue;
+            };
+            assert!(end != [0.0; 2], "{contact:?}");
+            if let Some(before) = before.get(&pair) {
+                assert_eq!(start, *before, "{contact:?}");
+                kept[pair / n] += 1;
+            } else {
+                assert_eq!(start, [0.0; 2], "{contact:?}");
+                new += 1;
+            }
+        }
+        assert!(
+            kept.iter().all(|&count| count > 5) && new > 0,
+            "{kept:?} {new}"
+        );
+        // One of the runs goes on from the last bushing to the first.
+        let mut runs = scene
+            .kernels
+            .candidates
+            .sprockets
+            .iter()
+            .flat_map(|of| &of.runs);
+        assert!(runs.any(|run| run.first + run.length > n));
+    }
+}

@@ -465,6 +465,28 @@ fn after_a_failed_step_dense_output_has_the_state_that_was_reached() {
 }
 
 #[test]
+fn the_difference_above_the_order_is_formed_where_the_order_may_rise() {
+    let (mut adams, mut system) = started(1e-6, f64::INFINITY);
+    let mut formed = 0;
+    for _ in 0..60 {
+        if adams.starting {
+            adams.step_newton(&mut system).unwrap();
+            continue;
+        }
+        let (estimate, newest_only) = adams.repeat_until_accepted(&mut system).unwrap();
+        let (k, h) = (adams.next.order, adams.next.size);
+        let may_rise = adams.history.may_raise(k, adams.highest_order(k, h));
+        let above = adams.accept_newton(newest_only);
+        // The sum is the third component: with it the update is never by the newest difference alone.
+        let above = above.unwrap();
+        assert_eq!(above > 0.0, may_rise, "{k} {above}");
+        formed += u32::from(may_rise);
+        adams.choose_implicit_order_and_step(&estimate, Some(above));
+    }
+    assert!((5..55).contains(&formed), "{formed}");
+}
+
+#[test]
 fn explicit_steps_are_considered_where_the_choice_is_automatic() {
     for corrector in [Corrector::Auto, Corrector::Newton] {
         let control = StepControl {

@@ -240,6 +240,8 @@ fn a_step_has_four_panels_at_most_and_two_where_their_error_is_accepted() {
     };
     // One and two panels differ by 0.2 of the largest power times the length.
     assert_eq!(evaluations(|t| if t < 1.3 { 0.0 } else { 1.0 }), 7);
+    // A peak in one number: the means of one, two and four panels are 1, 4 and 1.75 W. A fifteenth of each difference is above 0.01 W.
+    assert_eq!(evaluations(|t| if t == 0.5 { 10.0 } else { 1.0 }), 7);
     // The mean of t^6 from 0 to 2 is 9.14; one panel gives 11.33 and two give 9.30. A fifteenth of the difference is 0.2 % of the largest
     // power, and the whole difference 3.2 %; 0.5 % is accepted.
     assert_eq!(evaluations(|t| t.powi(6)), 3);
