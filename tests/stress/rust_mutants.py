@@ -204,7 +204,7 @@ def make(copy: Path, patterns: list[str], one_in: int) -> None:
     found = [p for each in patterns for p in copy.glob(each) if p.name != "tests.rs"]
     paths = sorted({str(p.relative_to(copy)) for p in found})
     originals = {path: (copy / path).read_bytes() for path in paths}
-    # Constants that a mutant makes negative, or zero as a divisor, are errors when they are evaluated.
+    # Constants that a mutant makes negative, or zero as a divisor, are errors otherwise.
     library = "#![allow(warnings, arithmetic_overflow, unconditional_panic)]\n"
     library += (copy / "src/lib.rs").read_text()
     command = ["cargo", "check", "--locked", "--lib", "--message-format=json"]
@@ -310,9 +310,7 @@ def ends(copy: Path, program: str, test: str, environment: dict[str, str], limit
     return done.returncode
 
 
-def run(
-    copy: Path, wanted: list[str], match: str, only: str, longest: float, out: Path
-) -> None:
+def run(copy: Path, wanted: list[str], match: str, only: str, longest: float, out: Path) -> None:
     """Run the tests that reach each mutant and take less than `longest` [s] without it."""
     names = json.loads((copy / "mutants.json").read_text())
     reaching = tests_of(copy, binaries(copy, wanted), match, longest)
