@@ -9,6 +9,8 @@ condition. Mutants that do not compile are taken out. `run` records which tests 
 and runs those tests with one mutant at a time, until one fails. Changes are those of cargo-mutants:
 operators of two operands and of assignments, minus and not left out, functions that return a
 constant at once. Match arms and guards stay. Constants, tests and macros are left out.
+
+`--one-in` takes a sample of the mutants, `--match` some of the tests.
 """
 
 from __future__ import annotations
