@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import pickle
 import sysconfig
@@ -93,6 +94,7 @@ _OTHERS = tuple(
 )
 
 
+@functools.cache
 def is_of_user(file: str) -> bool:
     """Return whether a file is neither of rustchain nor of Python or an installed package."""
     installed = not {"site-packages", "dist-packages"}.isdisjoint(Path(file).parts)

@@ -78,7 +78,15 @@ class _Seen(NamedTuple):
 
 
 def _part(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
-    """Return a value as JSON has it."""
+    """Return a value as JSON has it, with its class where that is of the user."""
+    kind, content = type(value), _content(value, seen)
+    if kind.__module__ == "builtins" or not _is_of_user(kind.__module__):
+        return content
+    return ["of", content, _part(kind, seen)]
+
+
+def _content(value: Any, seen: _Seen) -> Any:  # noqa: ANN401
+    """Return the content of a value, as JSON has it."""
     if seen.described and isinstance(value, float) and value.is_integer():
         return "-0.0" if str(value) == "-0.0" else int(value)
     if value is None or isinstance(value, bool | int | float | str):
@@ -171,6 +179,11 @@ def _pickled(value: Any, seen: _Seen) -> bytes:  # noqa: ANN401
     own = seen.inside(type(value).__module__) if seen.module is None else seen
 
     class Pickler(pickle.Pickler):
+        def reducer_override(self, each: Any) -> Any:  # noqa: ANN401
+            if type(each) is np.vectorize:  # without what its calls have left
+                return np.vectorize, (each.pyfunc,), vars(each) | {"_ufunc": {}}
+            return NotImplemented
+
         def persistent_id(self, each: Any) -> Any:  # noqa: ANN401
             code = isinstance(each, types.FunctionType | type) and own.has(each)
             if code or isinstance(each, np.ufunc):
@@ -186,7 +199,7 @@ def _check_named(function: np.ufunc) -> None:
     """Refuse a function that no installed package has: `numpy.frompyfunc` shows no Python code."""
     for module, found in list(sys.modules.items()):
         there = getattr(found, "__dict__", {}).get(function.__name__) is function
-        if there and module != "__main__" and not _is_of_user(module):
+        if there and not _is_of_user(module):
             return
     msg = (
         f"store: {shown(function)} has no identity by which a stored case could be found (its "
@@ -232,12 +245,15 @@ def _referred(function: types.FunctionType) -> dict[str, Any]:
 
 
 def _is_of_user(module: str) -> bool:
-    """Return whether a module lies neither in rustchain or Python nor in an installed package."""
+    """Return whether a module lies neither in rustchain or Python nor in an installed package.
+
+    That of a notebook has no file.
+    """
     found = sys.modules.get(module)
     file = getattr(found, "__file__", None)
     # A folder without __init__.py is a package without a file.
     places = [file] if isinstance(file, str) else list(getattr(found, "__path__", ()))
-    return any(is_of_user(place) for place in places)
+    return module == "__main__" or any(is_of_user(place) for place in places)
 
 
 def _class(kind: type, seen: _Seen) -> list[Any]:

@@ -650,6 +650,57 @@ def test_functions_that_objects_of_installed_packages_hold_count(text, monkeypat
     assert digest(1) != digest(2)
 
 
+def test_a_function_of_a_notebook_counts_in_an_object_of_a_package():
+    """Its module has no file."""
+    script = (
+        "import types, numpy as np\n"
+        "from rustchain.sweeps.identity import digest_of\n"
+        "def f(r): return ADDED\n"
+        "print(digest_of(np.vectorize(f)), digest_of(types.SimpleNamespace(f=f)))\n"
+    )
+    found = [
+        subprocess.run(
+            [sys.executable, "-c", script.replace("ADDED", added)],
+            capture_output=True, text=True, check=True,
+        ).stdout.split()
+        for added in ("1", "2")
+    ]  # fmt: skip
+    assert all(one != other for one, other in zip(*found, strict=True))
+
+
+def test_a_call_of_a_vectorized_function_leaves_its_identity():
+    function = np.vectorize(lambda x: 2 * x, otypes=[float])
+    before = digest_of(function)
+    function(1.0)
+    assert digest_of(function) == before
+    assert digest_of([function, 1]) != before
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "class C(NamedTuple):\n n: int = 1\n",
+        "class C(dict):\n",
+        "class C(float):\n",
+        "class C(list):\n",
+        "class C:\n def __reduce__(self): return 'measure'\n",
+        "class C:\n def __reduce__(self): return dict, ()\n",
+    ],
+    ids=["tuple", "dict", "number", "list", "by name", "of another class"],
+)
+def test_methods_of_what_is_a_value_otherwise_count(head, monkeypatch):
+    def digest(added):
+        module = types.ModuleType("of_values")
+        module.__file__ = "of_values.py"
+        monkeypatch.setitem(sys.modules, "of_values", module)
+        text = f"{head} def __call__(self, r): return r + {added}\nmeasure = C()"
+        exec(f"from typing import NamedTuple\n{text}", vars(module))
+        return digest_of(module.measure)
+
+    assert digest(1) == digest(1)
+    assert digest(1) != digest(2)
+
+
 FROM_PYTHON = "import numpy as np\ng = np.frompyfunc(lambda x: x + 1, 1, 1)\n"
 
 
