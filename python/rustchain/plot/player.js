@@ -530,8 +530,10 @@
   }
 
   document.head.append(element("style", {}, STYLE));
-  for (const root of document.querySelectorAll("div.player:not([data-built])")) {
-    root.dataset.built = "true";
+  for (const root of document.querySelectorAll("div.player")) {
+    if (root.built) continue;
+    root.built = true; // no attribute: a page that a browser has saved is built anew
+    root.replaceChildren(root.querySelector("script"));
     player(root).catch((error) => {
       root.append(element("p", {}, `The player cannot start (${error.message}); it needs a browser of 2023 or later.`));
       console.error(error);

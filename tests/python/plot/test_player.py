@@ -233,6 +233,20 @@ def test_a_force_of_zero_is_zero_in_a_page():
         assert (unpacked(player.block_of(np.full((1, 3), constant), 0.0, 1)) == constant).all()
 
 
+def test_a_page_that_a_browser_saved_builds_its_player_anew(tmp_path):
+    first, saved = tmp_path / "first.html", tmp_path / "saved.html"
+    RESULT.animate(first)
+    with opened(first) as page:
+        ready(page)
+        saved.write_text(page.content().replace('data-ready="true"', ""), encoding="utf-8")
+    with opened(saved) as page:
+        ready(page)
+        assert page.locator(".stage").count() == 1
+        page.locator(".stage").focus()
+        page.keyboard.press("End")
+        assert shown_time(page) == pytest.approx(0.05)
+
+
 def test_two_players_in_one_page_are_built_once_and_print_in_light_colours(tmp_path):
     page_of_two = tmp_path / "two.html"
     parts = [player.player_part(RESULT.animate(start=start)) for start in (None, 0.025)]
