@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import rustchain as rc
-from rustchain.description.units import descriptions_of
+from rustchain.description.docstrings import descriptions_of
 from rustchain.files.models import makers_of
 
 PAGE = Path(__file__).with_name("files.md")

@@ -11,10 +11,10 @@ from rustchain.arguments import plain
 from rustchain.catalogue.standard import catalogue_chain
 from rustchain.description.base import Description
 from rustchain.description.chain import Chain
+from rustchain.description.docstrings import descriptions_of
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
-from rustchain.description.units import descriptions_of
 from rustchain.files.models import (
     Field,
     Maker,

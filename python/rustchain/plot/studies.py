@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rustchain.arguments import finite_number, shown
-from rustchain.description.units import unit_of
+from rustchain.description.docstrings import unit_of
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.plot.colors import BLUE, CYCLE, GREY, PAPER, RED

@@ -197,8 +197,8 @@ def load_sweep(store: FilePath) -> SweepResult:
     which cases differ is a parameter of each case, unless a measured quantity has its name.
     A case that several sweeps share has the parameters of the one that stored it: those of others
     are missing in it, NaN in tables. Cases of one sweep with the same scene and run are one case,
-    with the parameters of the last one that ran. No column has the
-    drive and the law: give each its own folder.
+    with the parameters of the last one that ran. No column has the drive or the law: give the cases
+    of each drive and law their own folder.
 
     Parameters
     ----------

@@ -666,19 +666,25 @@ def test_a_disc_that_keeps_no_room_is_written_nevertheless(tmp_path, monkeypatch
     assert result.success
 
 
-@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
-def test_a_file_without_room_for_its_end_is_not_of_a_finished_run(tmp_path, monkeypatch):
-    reserve, kept = os.posix_fallocate, []
+def refuse_room(monkeypatch, piece, number=errno.ENOSPC):
+    """Let a piece of a file, counted from 1, have no room; return the sizes of all pieces."""
+    reserve, sizes = os.posix_fallocate, []
 
-    def full_at_the_end(file, offset, size):
-        kept.append(size)
-        if len(kept) == 2:
-            raise OSError(errno.ENOSPC, "No space left on device")
+    def reserved(file, offset, size):
+        sizes.append(size)
+        if len(sizes) == piece:
+            raise OSError(number, "No room left")
         reserve(file, offset, size)
 
-    monkeypatch.setattr(os, "posix_fallocate", full_at_the_end)
+    monkeypatch.setattr(os, "posix_fallocate", reserved)
+    return sizes
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
+def test_a_file_without_room_for_its_end_is_not_of_a_finished_run(tmp_path, monkeypatch):
+    refuse_room(monkeypatch, 2)
     path = tmp_path / "run.nc"
-    with pytest.raises(OSError, match=r"No space left.*its first 11 rows are in"):
+    with pytest.raises(OSError, match=r"No room left.*its first 11 rows are in"):
         rc.Simulation(rc.paper_drive()).run(1e-3, out=path, progress=False)
     loaded = rc.load_result(path)
     assert (loaded.status, len(loaded.time)) == ("interrupted", 11)
@@ -686,22 +692,15 @@ def test_a_file_without_room_for_its_end_is_not_of_a_finished_run(tmp_path, monk
 
 @pytest.mark.skipif(not hasattr(os, "posix_fallocate"), reason="no room is kept here")
 def test_a_run_that_fails_on_a_full_disc_has_its_own_error_in_the_file(tmp_path, monkeypatch):
-    reserve, kept = os.posix_fallocate, []
-
-    def full_at_first(file, offset, size):
-        kept.append(size)
-        if len(kept) == 1:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        reserve(file, offset, size)
+    sizes = refuse_room(monkeypatch, 1)
 
     def fails(simulation):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(os, "posix_fallocate", full_at_first)
     path = tmp_path / "run.nc"
     with pytest.raises(ZeroDivisionError):
         rc.Simulation(rc.paper_drive()).run(1e-3, out=path, progress=False, callback=fails)
-    assert len(kept) == 2
+    assert len(sizes) == 2
     with h5py.File(path) as file:
         end = json.loads(file["run/end"][:].tobytes())
     assert (end["status"], end["message"]) == ("failed", "ZeroDivisionError()")
@@ -714,15 +713,8 @@ def test_a_run_that_fails_on_a_full_disc_has_its_own_error_in_the_file(tmp_path,
 def test_a_file_without_its_last_pieces_is_not_of_a_finished_run(
     piece, number, tmp_path, monkeypatch
 ):
-    reserve, kept = os.posix_fallocate, []
-
-    def full_once(file, offset, size):  # for a piece; the end, which is short, has room
-        kept.append(size)
-        if len(kept) == piece:
-            raise OSError(number, "No room left")
-        reserve(file, offset, size)
-
-    monkeypatch.setattr(os, "posix_fallocate", full_once)
+    # The end, which is short, has room.
+    refuse_room(monkeypatch, piece, number)
     path = tmp_path / "run.nc"
     run = {"duration": 0.03, "report_step": 4e-5, "progress": False, "memory": PIECE}
     with pytest.raises(OSError, match=r"No room left.*its first \d+ rows are in") as failed:

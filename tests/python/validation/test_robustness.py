@@ -73,6 +73,32 @@ def test_a_known_excess_of_the_balance_is_no_failure_until_it_grows():
         assert outcome(0.0, message="step size fell").failed
 
 
+@pytest.mark.parametrize(
+    ("residual", "options", "status", "told"),
+    [
+        (2.0, [], 0, "0 failures, 1 off balance as known"),
+        (2.0, ["--accuracy", "1e-9"], 1, "1 failures, 0 off balance as known"),
+        (20.0, [], 1, "1 failures, 0 off balance as known"),
+    ],
+)
+def test_an_excess_is_known_with_the_default_solver_only(
+    residual, options, status, told, monkeypatch, capsys
+):
+    counts = {"wall": 1.0, "steps": 1, "rejected": 0, "onsets": 1, "dissipated": 0.0}
+
+    def run(scene, *_):
+        off = residual * robustness.OF_EXCHANGED
+        return robustness.Outcome(scene, residual=off, exchanged=1.0, message="", **counts)
+
+    monkeypatch.setattr(robustness, "run", run)
+    monkeypatch.setattr("sys.argv", ["robustness.py", "--only", "restitution 1.0, 0 N", *options])
+    monkeypatch.setattr(
+        robustness, "scenes", lambda _: [s for s in SCENES if "1e-11" not in s.name]
+    )
+    assert robustness.main() == status
+    assert told in capsys.readouterr().out
+
+
 def test_a_run_whose_balance_does_not_close_says_so_once():
     solver = rc.Solver(method="newton", accuracy=1e-4)
     with pytest.warns(rc.RustchainWarning, match="solver.accuracy"):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rustchain.description.units import unit_of
+from rustchain.description.docstrings import unit_of
 
 
 @pytest.mark.parametrize(

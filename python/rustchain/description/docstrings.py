@@ -1,4 +1,4 @@
-"""Units of the parameters of sweeps, as the docstrings of descriptions give them."""
+"""Text and units of the fields of descriptions, as their docstrings give them."""
 
 from __future__ import annotations
 
