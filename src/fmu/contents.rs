@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
 use crate::run::simulation::{Simulation, Snapshot};
-use crate::system::{Channel, Recording, Values, hash};
+use crate::system::{Recording, hash};
 
 /// Version of the file; every change of the contents has a new version.
 const FORMAT: u32 = 2;
@@ -116,7 +116,7 @@ impl OutputVariable {
     /// # Errors
     /// If there is no such channel or element.
     pub(super) fn value_in(&self, recording: &Recording) -> Result<f64> {
-        let row = recording.channel(&self.channel).and_then(last_row);
+        let row = recording.last_row(&self.channel);
         let value = row.and_then(|row| match self.element {
             Some(element) => row.get(element).copied(),
             None => row.iter().copied().reduce(f64::max),
@@ -127,14 +127,6 @@ impl OutputVariable {
             Error::invalid("output", name, "is not recorded of this drive")
         })
     }
-}
-
-/// Return the last row of a channel of real numbers; `None` without rows.
-fn last_row(channel: &Channel) -> Option<&[f64]> {
-    let Values::Real(values) = &channel.values else {
-        return None;
-    };
-    values.get(values.len().checked_sub(channel.row_length())?..)
 }
 
 /// Return the instantiation token of encoded contents.

@@ -1,6 +1,6 @@
 //! Rows and recordings as `NumPy` arrays.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -55,16 +55,4 @@ pub(super) fn recorded(py: Python<'_>, recording: Recording) -> PyResult<Bound<'
         }
     }
     Ok(arrays)
-}
-
-/// Return the last row of a channel of real numbers, flat.
-pub(super) fn last_row<'py>(
-    py: Python<'py>,
-    recording: &Recording,
-    name: &str,
-) -> Option<Bound<'py, PyArray1<f64>>> {
-    let length = recording.channel(name)?.row_length();
-    let values = recording.real(name);
-    let row = values.len().checked_sub(length)?;
-    Some(PyArray1::from_slice(py, &values[row..]))
 }

@@ -6,7 +6,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use super::arrays::{RecordedRows, last_row, recorded, rows, table};
+use super::arrays::{RecordedRows, recorded, rows, table};
 use super::describe;
 use super::evaluation::{
     assembly, drive_evaluation, mechanism_evaluation, set_contact_memory, statistics,
@@ -204,7 +204,8 @@ impl Core {
 
     /// Return the last row of a channel, flat.
     fn last_row<'py>(&self, py: Python<'py>, name: &str) -> Option<Bound<'py, PyArray1<f64>>> {
-        last_row(py, self.simulation.recording()?, name)
+        let row = self.simulation.recording()?.last_row(name)?;
+        Some(PyArray1::from_slice(py, row))
     }
 
     /// Set the speed ("speed") or torque ("torque") of a part from the present time on: of a sprocket, numbered from 1, or of the driver

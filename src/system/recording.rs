@@ -84,6 +84,12 @@ impl Recording {
         }
     }
 
+    /// Return the last row of a channel of real numbers, flat; `None` without rows.
+    pub(crate) fn last_row(&self, name: &str) -> Option<&[f64]> {
+        let values = self.real(name);
+        values.get(values.len().checked_sub(self.channel(name)?.row_length())?..)
+    }
+
     /// Return all rows of a channel of integers, flat; empty if there is no such channel.
     #[must_use]
     pub fn whole(&self, name: &str) -> &[i32] {
