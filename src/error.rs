@@ -242,6 +242,20 @@ pub(crate) mod check {
         finite(&format!("{field} (y)"), y, "m")
     }
 
+    /// Check that a vector has a direction.
+    pub(crate) fn direction(field: &str, vector: impl Into<[f64; 2]>) -> Result<()> {
+        let [x, y] = vector.into();
+        let length = (x * x + y * y).sqrt();
+        if length.is_finite() && length > 0.0 {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            field,
+            format!("({x}, {y})"),
+            "must be a direction: two finite numbers, not both zero",
+        ))
+    }
+
     /// Check that a value lies within a closed range.
     pub(crate) fn within(field: &str, value: f64, low: f64, high: f64) -> Result<()> {
         if (low..=high).contains(&value) {

@@ -90,14 +90,7 @@ impl Rail {
     pub fn validate(&self) -> Result<()> {
         let kind = self.kind();
         check::point(&format!("{kind}.center"), self.center)?;
-        let along = self.direction.norm();
-        if !(along.is_finite() && along > 0.0) {
-            return Err(Error::invalid(
-                "GuideRail.direction",
-                format!("({}, {})", self.direction.x, self.direction.y),
-                "must be a direction: two finite numbers, not both zero",
-            ));
-        }
+        check::direction("GuideRail.direction", self.direction)?;
         if let Some(material) = &self.material {
             material.validate()?;
         }

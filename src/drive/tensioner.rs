@@ -90,14 +90,7 @@ impl Tensioner {
             ));
         }
         if let Some(d) = self.direction {
-            let length = d.norm();
-            if !(length.is_finite() && length > 0.0) {
-                return Err(Error::invalid(
-                    "Tensioner.direction",
-                    format!("({}, {})", d.x, d.y),
-                    "must be a direction: two finite numbers, not both zero",
-                ));
-            }
+            check::direction("Tensioner.direction", d)?;
             if self.pivot.is_some() {
                 return Err(Error::invalid(
                     "Tensioner.direction",

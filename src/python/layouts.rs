@@ -138,11 +138,7 @@ pub(super) fn closing_move(
     let farthest = f64::from(MOST_LINKS) * description.chain.pitch;
     check::within("reach", reach, 0.0, farthest)?;
     let along = Vec2::new(direction.0, direction.1);
-    if !(along.norm().is_finite() && along.norm() > 0.0) {
-        let expected = "must be two finite numbers, not both zero";
-        let shown = format!("({}, {})", along.x, along.y);
-        return Err(Error::invalid("direction", shown, expected).into());
-    }
+    check::direction("direction", along)?;
     let moved = crate::layout::closing_move(&description, number - 1, along, reach)?;
     Ok(moved)
 }

@@ -118,18 +118,20 @@ impl Joint {
             JointKind::Fixed { angle } => optional(angle.as_ref(), &field("angle")),
             JointKind::Prismatic { direction, angle } => {
                 optional(angle.as_ref(), &field("angle"))?;
-                has_direction(&field("direction"), *direction)
+                check::direction(&field("direction"), *direction)
             }
-            JointKind::PointOnLine { direction } => has_direction(&field("direction"), *direction),
+            JointKind::PointOnLine { direction } => {
+                check::direction(&field("direction"), *direction)
+            }
             JointKind::Distance { length: Some(l) } => check::positive(&field("length"), *l, "m"),
             JointKind::Gear { ratio, .. } => not_zero(&field("ratio"), *ratio, "1"),
             JointKind::Rack { direction, radius } => {
                 not_zero(&field("radius"), *radius, "m")?;
-                has_direction(&field("direction"), *direction)
+                check::direction(&field("direction"), *direction)
             }
             JointKind::DrivenAngle(motion) => motion.validate(&field("motion")),
             JointKind::DrivenPosition { direction, motion } => {
-                has_direction(&field("direction"), *direction)?;
+                check::direction(&field("direction"), *direction)?;
                 motion.validate(&field("motion"))
             }
         }
@@ -146,16 +148,4 @@ fn not_zero(field: &str, value: f64, unit: &str) -> Result<()> {
         return Err(Error::invalid(field, value, "must not be zero"));
     }
     Ok(())
-}
-
-pub(crate) fn has_direction(field: &str, direction: Vec2) -> Result<()> {
-    let length = direction.norm();
-    if length.is_finite() && length > 0.0 {
-        return Ok(());
-    }
-    Err(Error::invalid(
-        field,
-        format!("({}, {})", direction.x, direction.y),
-        "must be two finite numbers, not both zero",
-    ))
 }
