@@ -152,9 +152,7 @@ impl Chain {
         check::positive("Chain.tooth_contact_length", self.tooth_contact_length, "m")?;
         self.material.validate()
     }
-}
 
-impl Chain {
     fn check_carried(&self) -> Result<()> {
         for (i, (number, mass)) in self.carried.iter().enumerate() {
             if !(1..=self.links).contains(number) {

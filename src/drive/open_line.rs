@@ -131,8 +131,7 @@ impl<'a> OpenLine<'a> {
 
     /// Return the wrap of the chain on sprocket `i` between these directions \[rad\].
     pub(crate) fn wrap(&self, i: usize, [before, after]: [Vec2; 2]) -> f64 {
-        let cross = before.x * after.y - before.y * after.x;
-        let angle = self.sense[i] * cross.atan2(before.dot(&after));
+        let angle = self.sense[i] * before.perp(&after).atan2(before.dot(&after));
         // A wrap that is a full turn by rounding is zero.
         if angle < -WRAP_ROUNDING {
             angle + TAU

@@ -8,6 +8,7 @@ use super::material::STEEL_DENSITY;
 use super::{Chain, ToothForm};
 use crate::error::{Error, Result, check};
 use crate::geometry::path::belt::Side;
+use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{AnsiCurves, Damage, ToothProfile, Vec2, unit};
 use crate::math::{Signal, Table};
 
@@ -207,7 +208,7 @@ impl Sprocket {
     /// length of the contact as its thickness. The additional inertia is included.
     #[must_use]
     pub fn mass_properties(&self, chain: &Chain) -> (f64, f64) {
-        let radius = crate::geometry::path::wrap::pitch_radius(chain.pitch, self.teeth);
+        let radius = pitch_radius(chain.pitch, self.teeth);
         let disc = STEEL_DENSITY * PI * radius * radius * chain.teeth_contact_length();
         let mass = self.mass.unwrap_or(disc);
         let own = self.inertia.unwrap_or(0.5 * mass * radius * radius);

@@ -37,6 +37,13 @@ pub fn turned_left(v: Vec2) -> Vec2 {
     Vec2::new(-v.y, v.x)
 }
 
+/// Return the distance of a point from a line segment \[m\].
+pub(crate) fn distance_from_segment(point: Vec2, [start, end]: [Vec2; 2]) -> f64 {
+    let (along, offset) = (end - start, point - start);
+    let share = offset.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+    (offset - share.clamp(0.0, 1.0) * along).norm()
+}
+
 /// Distance of a pair of surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {

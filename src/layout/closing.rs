@@ -6,6 +6,7 @@ use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::Vec2;
 use crate::geometry::path::wrap::{self, Wheel};
+use crate::math::bisected;
 
 /// Step of the search for the nearest closed belt line, in pitches.
 const BELT_STEP: f64 = 0.5;
@@ -36,7 +37,7 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
     let step = BELT_STEP * drive.chain.pitch;
     let spare = |s: f64| pitches(s).ok().map(|needed| links - needed);
     let here = links - pitches(0.0)?;
-    let mut bracket = (here == 0.0).then_some((0.0, 0.0));
+    let mut bracket = (here == 0.0).then_some([0.0; 2]);
     let mut fronts: [Option<(f64, f64)>; 2] = [Some((0.0, here)); 2];
     let mut ends = [(0.0, here); 2];
     let mut steps = 0;
@@ -53,7 +54,7 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
             let Some((_, there)) = *front else { continue };
             ends[side] = (to, there);
             if there * here <= 0.0 && bracket.is_none() {
-                bracket = Some((from, to));
+                bracket = Some([from, to]);
             }
         }
     }
@@ -66,7 +67,7 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
             drive.chain.links
         ))
     };
-    let Some((mut low, mut high)) = bracket else {
+    let Some(bracket) = bracket else {
         return Err(none_fits(format!(
             "from {:.3} mm to {:.3} mm along it a taut chain has {:.3} to {:.3} pitches, {:.3} where it is",
             1e3 * ends[1].0,
@@ -76,13 +77,8 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
             links - here
         )));
     };
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        match spare(middle) {
-            Some(there) if there * here > 0.0 => low = middle,
-            _ => high = middle,
-        }
-    }
+    let is_before = |s: f64| spare(s).is_some_and(|there| there * here > 0.0);
+    let [low, high] = bisected(bracket, 60, is_before);
     let belt_place = 0.5 * (low + high);
     let found = closing_polygon(&at, belt_place, drive).unwrap_or(belt_place);
     // The taut polygon closes near the place of the belt line, which may be on the other side of the limit.

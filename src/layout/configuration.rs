@@ -131,7 +131,7 @@ pub(super) fn link_between([rear, front]: [Vec2; 2], speeds: [Vec2; 2]) -> [[f64
     let (along, apart) = (front - rear, speeds[1] - speeds[0]);
     let center = 0.5 * (front + rear);
     let velocity = 0.5 * (speeds[1] + speeds[0]);
-    let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
+    let spin = along.perp(&apart) / along.norm_squared();
     let angle = along.y.atan2(along.x);
     [[center.x, center.y, angle], [velocity.x, velocity.y, spin]]
 }

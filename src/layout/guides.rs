@@ -6,7 +6,8 @@ use super::report::{GuidePlacement, Layout};
 use crate::drive::{Chain, Drive, Mount, Rail, RailShape};
 use crate::error::{Error, Result, pair};
 use crate::geometry::path::wrap::pitch_radius;
-use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
+use crate::geometry::{ToothProfile, Vec2, distance_from_segment, turned_left, unit};
+use crate::math::bisected;
 
 /// Distance by which a proposed centre is farther than enough \[m\], for the rounding of the coordinates that are printed.
 const MORE_THAN_ENOUGH: f64 = 1e-6;
@@ -127,20 +128,12 @@ fn across(hinges: &[Vec2], point: Vec2) -> Vec2 {
 /// Return the least displacement \[m\] that clears a guide which overlaps the chain by `inside` \[m\]; `gap` is its gap after a
 /// displacement.
 fn least_displacement(inside: f64, gap: impl Fn(f64) -> f64) -> f64 {
+    let overlaps = |displacement: f64| gap(displacement) <= START_GAPS[0];
     let (mut short, mut enough) = (0.0, inside.max(START_GAPS[0]));
-    while gap(enough) <= START_GAPS[0] && enough < 1.0 {
+    while overlaps(enough) && enough < 1.0 {
         (short, enough) = (enough, 2.0 * enough);
     }
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (short + enough);
-        let clear = gap(middle) > START_GAPS[0];
-        (short, enough) = if clear {
-            (short, middle)
-        } else {
-            (middle, enough)
-        };
-    }
-    enough
+    bisected([short, enough], HALVINGS, overlaps)[1]
 }
 
 /// Return the error of a guide that overlaps the chain by `inside` \[m\] at its described position, and at every position of its arm;
@@ -225,9 +218,7 @@ fn check_beside_sprockets(drive: &Drive, number: usize) -> Result<()> {
 fn distance(outline: &[Vec2], point: Vec2) -> f64 {
     let (mut nearest, mut turned) = (f64::INFINITY, 0.0);
     for (from, to) in outline.iter().zip(outline.iter().cycle().skip(1)) {
-        let (side, off) = (to - from, point - from);
-        let share = off.dot(&side) / side.norm_squared().max(f64::MIN_POSITIVE);
-        nearest = nearest.min((off - share.clamp(0.0, 1.0) * side).norm());
+        nearest = nearest.min(distance_from_segment(point, [*from, *to]));
         let (one, other) = (from - point, to - point);
         turned += one.perp(&other).atan2(one.dot(&other));
     }
@@ -329,14 +320,7 @@ fn clear_angle(rail: &Rail, gap: impl Fn(f64) -> f64) -> Option<f64> {
     };
     let back = -rail.lever(&arm).signum() * FARTHEST_SWING / f64::from(SWINGS);
     let first = (1..=SWINGS).find(|&i| clear(described + f64::from(i) * back))?;
-    let (mut low, mut high) = (f64::from(first - 1), f64::from(first));
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if clear(described + middle * back) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    Some(described + high * back)
+    let between = [first - 1, first].map(f64::from);
+    let [_, part] = bisected(between, 40, |part| !clear(described + part * back));
+    Some(described + part * back)
 }

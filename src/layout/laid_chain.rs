@@ -133,7 +133,7 @@ impl Lie<'_> {
                 let nearest = ((offset.y.atan2(offset.x) - first_seat) / gap_angle).round();
                 let middle = unit(first_seat + nearest * gap_angle);
                 let point = Vec2::new(
-                    offset.x * middle.y - offset.y * middle.x,
+                    offset.perp(&middle),
                     offset.dot(&middle) - profile.seat_center_radius,
                 );
                 let gap = -profile.contact(point, radius).penetration;

@@ -141,7 +141,7 @@ impl ChainRow<'_> {
         for (k, bushing) in self.bushings().enumerate() {
             let offset = bushing - first.center;
             if between.contains(&offset.dot(&axis)) {
-                let strand = usize::from(axis.x * offset.y - axis.y * offset.x < 0.0);
+                let strand = usize::from(axis.perp(&offset) < 0.0);
                 self.add(k, &mut means[strand]);
             }
         }

@@ -8,7 +8,7 @@ use super::describe;
 use crate::drive::bushing_on_front;
 use crate::error::{Error, check};
 use crate::force_law::{self, SurfacePair, elastic_forces};
-use crate::geometry::{SurfaceCurve, ToothProfile, Vec2, unit};
+use crate::geometry::{SurfaceCurve, ToothProfile, Vec2};
 use crate::math::simd::InstructionSet;
 
 /// Return the instruction set of the kernels on this machine: "avx512", "avx2", "neon" or "plain".
@@ -140,15 +140,10 @@ pub(super) fn tooth_contacts<'py>(
     let (mut regions, mut depths, mut normals) = (Vec::new(), Vec::new(), Vec::new());
     for row in points.as_array().rows() {
         let point = Vec2::new(row[0], row[1]);
-        let gap = profile.nearest_gap(point.y.atan2(point.x));
-        let v = unit(f64::from(gap) * profile.gap_angle());
-        let u = Vec2::new(v.y, -v.x);
-        let place = Vec2::new(point.dot(&u), point.dot(&v) - profile.seat_center_radius);
-        let found = profile.contact_in(gap, place, radius);
-        let normal = found.normal.x * u + found.normal.y * v;
+        let (_, found) = profile.contact_in_sprocket(point, radius);
         regions.push(found.region);
         depths.push(found.penetration);
-        normals.push([normal.x, normal.y]);
+        normals.push(found.normal.into());
     }
     Ok((
         regions.into_pyarray(py),

@@ -23,17 +23,6 @@ use resting_drive::RestingDrive;
 use resting_mechanism::RestingMechanism;
 use settling::{Resting, Settled, settle};
 
-/// Return the largest value, or NaN where there is one: the maximum of f64 would ignore it.
-fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |most: f64, value| {
-        if most.is_nan() || value <= most {
-            most
-        } else {
-            value
-        }
-    })
-}
-
 /// Drive or mechanism in static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {

@@ -116,7 +116,7 @@ impl Belt {
         let mut wraps = Vec::with_capacity(n);
         for (i, pulley) in pulleys.iter().enumerate() {
             let [before, after] = [spans[(i + n - 1) % n], spans[i]].map(|span| span.direction);
-            let turn = (before.x * after.y - before.y * after.x).atan2(before.dot(&after));
+            let turn = before.perp(&after).atan2(before.dot(&after));
             let wrap = (pulley.side.sign() * turn).rem_euclid(TAU);
             wraps.push(if wrap > TAU - WRAP_ROUNDING {
                 0.0
@@ -182,10 +182,7 @@ pub fn distance_from(span: &Span, point: Vec2) -> f64 {
 /// Return whether two spans cross.
 #[must_use]
 pub fn cross(a: &Span, b: &Span) -> bool {
-    let side = |span: &Span, point: Vec2| {
-        let offset = point - span.from;
-        span.direction.x * offset.y - span.direction.y * offset.x
-    };
+    let side = |span: &Span, point: Vec2| span.direction.perp(&(point - span.from));
     side(a, b.from) * side(a, b.to) < 0.0 && side(b, a.from) * side(b, a.to) < 0.0
 }
 

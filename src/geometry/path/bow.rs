@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::geometry::{Vec2, turned_left};
+use crate::math::bisected;
 
 /// Slack of a strand, over its span, below which it counts as straight: rounding of its length.
 const STRAIGHT: f64 = 1e-11;
@@ -29,15 +30,9 @@ impl Bow {
             return bow;
         }
         // span / pitch = sin(n g / 2) / sin(g / 2) falls from n to 0 over 0 < g < 2 pi / n.
-        let (mut low, mut high) = (0.0, 2.0 * PI / n);
-        for _ in 0..200 {
-            let middle = 0.5 * (low + high);
-            if (0.5 * n * middle).sin() * pitch > span * (0.5 * middle).sin() {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let [low, high] = bisected([0.0, 2.0 * PI / n], 200, |angle| {
+            (0.5 * n * angle).sin() * pitch > span * (0.5 * angle).sin()
+        });
         bow.link_angle = 0.5 * (low + high);
         bow
     }

@@ -12,6 +12,7 @@ use super::belt::{Belt, NoTangent, Pulley, Side};
 use super::bow::Bow;
 use super::wrap::Wheel;
 use crate::geometry::{Vec2, turned_left, unit};
+use crate::math::bisected;
 
 /// A wheel with its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -181,25 +182,17 @@ impl WheelSequence {
     #[must_use]
     pub fn polygon(&self, slack: usize, shift: f64, most: f64) -> Option<Polygon> {
         let free = self.lay(slack, shift, 0.0)?;
-        let (mut laid, mut stretch) = (free, 0.0);
-        if laid.spare < 0.0 {
-            // The slack grows with the stretch in proportion to the strands' lengths, until a strand takes another pitch.
-            let (mut low, mut high) = (0.0, most);
-            laid = self
-                .lay(slack, shift, most)
-                .filter(|laid| laid.spare >= 0.0)?;
-            stretch = most;
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                match self.lay(slack, shift, middle) {
-                    Some(found) if found.spare >= 0.0 => {
-                        (high, stretch, laid) = (middle, middle, found);
-                    }
-                    _ => low = middle,
-                }
-            }
+        if free.spare >= 0.0 {
+            return Some(self.place(&free, slack, 0.0));
         }
-        Some(self.place(&laid, slack, stretch))
+        // The slack grows with the stretch in proportion to the strands' lengths, until a strand takes another pitch.
+        let laid = |stretch: f64| {
+            let laid = self.lay(slack, shift, stretch);
+            laid.filter(|laid| laid.spare >= 0.0)
+        };
+        laid(most)?;
+        let [_, stretch] = bisected([0.0, most], 60, |stretch| laid(stretch).is_none());
+        Some(self.place(&laid(stretch)?, slack, stretch))
     }
 
     /// Return the slack in strand `slack` \[m\] with all other strands taut; negative for a chain that is too short.

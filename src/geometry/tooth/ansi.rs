@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::flank::{Flank, SurfaceCurve};
+use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit};
 
 const INCH: f64 = 0.0254;
@@ -102,10 +103,10 @@ impl AnsiCurves {
         let half_chord = (outside.powi(2) - along * along).max(0.0).sqrt();
         let e = b / distance;
         let on_circle = along * e + half_chord * turned_left(e);
-        if on_circle.x * axis.y - on_circle.y * axis.x <= 0.0 {
+        if on_circle.perp(&axis) <= 0.0 {
             return on_circle + center;
         }
-        let beyond = b.x * axis.y - b.y * axis.x;
+        let beyond = b.perp(&axis);
         let height = (radius * radius - beyond * beyond).max(0.0).sqrt();
         (b.dot(&axis) + height) * axis + center
     }
@@ -126,11 +127,9 @@ impl ToothProfile {
     pub fn ansi(pitch: f64, roller_diameter: f64, teeth: u32, seat: Seat) -> Self {
         let curves = AnsiCurves::new(roller_diameter, teeth);
         let half = PI / f64::from(teeth);
-        let pitch_radius = crate::geometry::path::wrap::pitch_radius(pitch, teeth);
-        let seat_center_radius = match seat {
-            Seat::BottomDiameter => pitch_radius + (curves.seating.radius - 0.5 * roller_diameter),
-            Seat::PitchCircle => pitch_radius,
-        };
+        let seat_radius = curves.seating.radius;
+        let seat_center_radius =
+            seat.center_radius(pitch_radius(pitch, teeth), seat_radius, roller_diameter);
         let outside_radius = ansi_outside_radius(pitch, teeth);
         let AnsiCurves {
             seating,

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::flank::{Flank, SurfaceCurve};
+use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Arc, Segment, ToothProfile, Vec2, turned_left};
 
 /// Largest permitted gap between two pieces \[m\]: coordinates with seven decimals.
@@ -102,7 +103,7 @@ impl ToothProfile {
         };
         // A seat with its centre in the middle of the gap is the origin of the frame, as in the other forms.
         let seat = first.center.filter(|center| center.x.abs() <= LARGEST_GAP);
-        let pitch_radius = crate::geometry::path::wrap::pitch_radius(pitch, teeth);
+        let pitch_radius = pitch_radius(pitch, teeth);
         let origin = Vec2::new(0.0, seat.map_or(pitch_radius, |center| center.y));
         let moved: Vec<OutlinePiece> = pieces
             .iter()

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::flank::{Flank, SurfaceCurve};
+use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit};
 
 /// Smallest seat radius over the roller diameter, of ISO 606.
@@ -39,7 +40,7 @@ impl IsoGap {
 /// Return the standard's smallest and largest tip diameter \[m\] for z teeth.
 #[must_use]
 pub fn iso_tip_diameters(pitch: f64, roller_diameter: f64, teeth: u32) -> [f64; 2] {
-    let d = 2.0 * crate::geometry::path::wrap::pitch_radius(pitch, teeth);
+    let d = 2.0 * pitch_radius(pitch, teeth);
     let z = f64::from(teeth);
     [
         d + pitch * (1.0 - 1.6 / z) - roller_diameter,
@@ -65,14 +66,6 @@ pub struct Blank {
 }
 
 impl Blank {
-    fn seat_center_radius(&self, seat_radius: f64) -> f64 {
-        let pitch_radius = crate::geometry::path::wrap::pitch_radius(self.pitch, self.teeth);
-        match self.seat {
-            Seat::BottomDiameter => pitch_radius + (seat_radius - 0.5 * self.roller_diameter),
-            Seat::PitchCircle => pitch_radius,
-        }
-    }
-
     /// Return the flank of a seat of `seat_radius` that continues at `seat_end`, a unit vector from its centre, with `curve`.
     fn profile(
         &self,
@@ -100,7 +93,9 @@ impl Blank {
         )
         .then(from, turned_left(seat_end), "flank", curve)
         .end(end);
-        let seat_center_radius = self.seat_center_radius(seat_radius);
+        let pitch_radius = pitch_radius(self.pitch, self.teeth);
+        let seat_center_radius =
+            (self.seat).center_radius(pitch_radius, seat_radius, self.roller_diameter);
         ToothProfile::of(self.teeth, self.pitch, seat_center_radius, far, flank)
             .cut(self.outside_radius, self.edge_radius)
     }

@@ -14,7 +14,9 @@ use serde::{Deserialize, Serialize};
 pub use contact::ToothContact;
 
 use super::flank::{Flank, SurfacePiece};
+use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{AnsiCurves, Vec2, unit};
+use crate::math::bisected;
 use crate::math::simd::arc_tangent;
 
 /// Position of the centre of the seating curve.
@@ -24,6 +26,21 @@ pub enum Seat {
     BottomDiameter,
     /// On the pitch circle: a roller on the pitch circle has clearance all round.
     PitchCircle,
+}
+
+impl Seat {
+    /// Return the distance from the sprocket's centre to the centre of the seating curve \[m\].
+    pub(super) fn center_radius(
+        self,
+        pitch_radius: f64,
+        seat_radius: f64,
+        roller_diameter: f64,
+    ) -> f64 {
+        match self {
+            Self::BottomDiameter => pitch_radius + (seat_radius - 0.5 * roller_diameter),
+            Self::PitchCircle => pitch_radius,
+        }
+    }
 }
 
 /// Number of a surface of a profile. Both flanks of undamaged teeth share their surfaces, from the seat outward; those of damaged
@@ -92,7 +109,7 @@ impl ToothProfile {
     ) -> Self {
         Self {
             teeth,
-            pitch_radius: crate::geometry::path::wrap::pitch_radius(pitch, teeth),
+            pitch_radius: pitch_radius(pitch, teeth),
             seat_center_radius,
             outside_radius,
             ansi: None,
@@ -174,16 +191,8 @@ impl ToothProfile {
     fn point_radius(&self) -> f64 {
         let (center, axis) = (self.center(), self.axis());
         let outside = |radius: f64| self.contact(center + radius * axis, 0.0).penetration < 0.0;
-        let (mut low, mut high) = (0.8 * self.pitch_radius, 2.0 * self.pitch_radius);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if outside(middle) {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        high
+        let between = [0.8, 2.0].map(|share| share * self.pitch_radius);
+        bisected(between, 60, |radius| !outside(radius))[1]
     }
 
     /// Return the same profile with damaged teeth, their edges rounded by a radius `edge` \[m\]; `None` for more surfaces than

@@ -85,7 +85,7 @@ impl OpenChainLayout<'_> {
                 links.len(),
                 length,
                 apart.norm(),
-                (apart.x * down.y - apart.y * down.x).abs()
+                apart.perp(&down).abs()
             )),
         }
     }

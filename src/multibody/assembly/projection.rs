@@ -1,6 +1,7 @@
 //! Projection of positions, then velocities, onto the constraints: the least change, weighted by mass.
 
-use super::residuals::{largest, round_off};
+use super::residuals::round_off;
+use crate::math::largest_magnitude;
 use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::description::body::Frame;
@@ -248,7 +249,7 @@ impl Projector<'_> {
             (held.kkt.jacobian).multiply(&self.constraints.rows, &state[n..2 * n], residual);
             let rates = residual.iter_mut().zip(&self.constraints.rows);
             rates.for_each(|(rate, row)| *rate += row.time_rate);
-            let worst = largest(residual.iter().copied());
+            let worst = largest_magnitude(residual.iter().copied());
             let last = corrections == 4 || worst >= before;
             if worst <= round_off || last {
                 self.model.move_with(self.frames, state);

@@ -1,5 +1,6 @@
 //! Residuals of the constraints relative to the size and the speeds of the mechanism.
 
+use crate::math::largest_magnitude;
 use crate::multibody::constraints::constraint_state::ConstraintState;
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
@@ -39,7 +40,7 @@ impl ConstraintState {
     pub(crate) fn worst_beside(&self, model: &MechanismModel, size: f64) -> f64 {
         let equations = model.equations.iter().zip(&self.rows);
         let part = 1.0 / size;
-        largest(equations.map(|(equation, row)| {
+        largest_magnitude(equations.map(|(equation, row)| {
             let part = if equation.is_angle() { 1.0 } else { part };
             row.value * part
         }))
@@ -57,26 +58,4 @@ impl ConstraintState {
 pub(super) fn round_off(frames: &[Frame]) -> f64 {
     let angles = frames.iter().map(|frame| frame.angle.abs());
     2.0 * f64::EPSILON * angles.fold(1.0, f64::max)
-}
-
-/// Return the largest magnitude; not a number where one of the values is: `f64::max` would ignore it.
-pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
-    // The bits of magnitudes are in their order, those of NaN above all others.
-    let bits = values.map(|value| value.abs().to_bits());
-    f64::from_bits(bits.max().unwrap_or(0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_value_that_is_not_a_number_makes_the_largest_one_so() {
-        for place in 0..3 {
-            let mut values = [1.0, -3.0, 2.0];
-            assert_eq!(largest(values.into_iter()), 3.0);
-            values[place] = f64::NAN;
-            assert!(largest(values.into_iter()).is_nan(), "{place}");
-        }
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::outline_piece::Piece;
 use crate::error::{Error, Result};
-use crate::geometry::Vec2;
+use crate::geometry::{Vec2, distance_from_segment};
 
 /// Number of chords that replace a quarter turn of an arc in the search for crossings.
 const CHORDS: f64 = 8.0;
@@ -145,13 +145,8 @@ fn cross(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
 
 /// Return the distance of two line segments that do not cross: that of an end of one of them from the other.
 fn distance(first: [Vec2; 2], second: [Vec2; 2]) -> f64 {
-    let from = |point: Vec2, [start, end]: [Vec2; 2]| {
-        let along = end - start;
-        let share = (point - start).dot(&along) / along.norm_squared();
-        (point - start - share.clamp(0.0, 1.0) * along).norm()
-    };
-    let ends_of_first = first.map(|point| from(point, second));
-    let ends_of_second = second.map(|point| from(point, first));
+    let ends_of_first = first.map(|point| distance_from_segment(point, second));
+    let ends_of_second = second.map(|point| distance_from_segment(point, first));
     let ends = ends_of_first.into_iter().chain(ends_of_second);
     ends.fold(f64::INFINITY, f64::min)
 }

@@ -216,15 +216,10 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
     if clear > radius {
         return Nearest::on_circle(clear, direction(point, distance));
     }
-    let gap = profile.gap_towards(point);
-    // Frame of the gap: v points radially outward through the gap, u is v turned clockwise.
-    let v = profile.gap_direction(gap);
-    let u = Vec2::new(v.y, -v.x);
-    let place = Vec2::new(point.dot(&u), point.dot(&v) - profile.seat_center_radius);
-    let found = profile.contact_in(gap, place, radius);
+    let (gap, found) = profile.contact_in_sprocket(point, radius);
     Nearest {
         distance: radius - found.penetration,
-        outward: -(found.normal.x * u + found.normal.y * v),
+        outward: -found.normal,
         piece: found.surface.index(),
         tooth: Some(Tooth {
             gap,

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::largest;
 use super::settling::Resting;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::{Model, Rotation, SprocketModel};
@@ -10,6 +9,7 @@ use crate::chain::motion::Motion;
 use crate::geometry::{Vec2, turned_left, unit};
 use crate::integrator::SecondOrderSystem;
 use crate::layout::InitialConfiguration;
+use crate::math::largest_magnitude;
 
 /// Longest γ over the pitch \[s/m\]: 64 ms at half an inch. The elimination of the links divides by their masses. Its rounding error grows
 /// with the fourth power of γ over the period of a link on its contacts, which is proportional to the pitch. In a drive of half an inch
@@ -124,7 +124,7 @@ impl Resting for RestingDrive {
                 forces.push(inertia * accelerations[index].abs() / arm(sprocket, index));
             });
         }
-        largest(forces)
+        largest_magnitude(forces)
     }
 
     fn reference_force(&self) -> f64 {

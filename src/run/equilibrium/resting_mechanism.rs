@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
-use super::largest;
 use super::settling::Resting;
 use crate::error::Result;
 use crate::integrator::SecondOrderSystem;
+use crate::math::largest_magnitude;
 use crate::multibody::{MechanismDynamics, MechanismModel};
 
 /// Longest γ \[s\]. A pendulum of 25 m converges by a factor of 40 in one iteration.
@@ -123,7 +123,7 @@ impl RestingMechanism {
     /// Return a description of a singular position, where reactions exceed all loads.
     pub(super) fn singular(&self) -> Option<String> {
         let load = self.reference_force();
-        let reaction = largest(self.dynamics.reactions_by_body(&self.lengths));
+        let reaction = largest_magnitude(self.dynamics.reactions_by_body(&self.lengths));
         (load > 0.0 && reaction > SINGULAR * load).then(|| {
             format!(
                 "joints bear {reaction:.1e} N under loads of {load:.1e} N, as in a stretched chain of bars, where no finite force is \
@@ -168,18 +168,18 @@ impl Resting for RestingMechanism {
 
     fn unbalanced(&mut self) -> f64 {
         self.dynamics.evaluate(0.0, &self.state);
-        largest((0..self.begin.len()).map(|i| self.force(i)))
+        largest_magnitude((0..self.begin.len()).map(|i| self.force(i)))
     }
 
     fn reference_force(&self) -> f64 {
-        largest(self.dynamics.loads_by_body(&self.lengths))
+        largest_magnitude(self.dynamics.loads_by_body(&self.lengths))
     }
 
     /// Reactions count up to the largest load: they grow without limit near a singular position.
     fn is_balanced_by_body(&self, tolerance: f64) -> bool {
         let loads = self.dynamics.loads_by_body(&self.lengths);
         let reactions = self.dynamics.reactions_by_body(&self.lengths);
-        let most = largest(loads.iter().copied());
+        let most = largest_magnitude(loads.iter().copied());
         let own = loads.iter().zip(&reactions);
         let own = own.map(|(load, reaction)| load.max(reaction.min(most)));
         let mut bodies = self.dynamics.model.first.iter().zip(own);

@@ -9,7 +9,7 @@ use crate::geometry::{Vec2, turned_left};
 /// Penetration of another surface, over the radius, above which a cylinder cannot roll along the gap.
 const JAMMED: f64 = 1e-4;
 
-/// Contact of a cylinder in one tooth gap, in the frame of the gap.
+/// Contact of a cylinder in one tooth gap, in the frame of the gap where no other is named.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToothContact {
     /// The surface nearest to the cylinder.
@@ -73,6 +73,19 @@ impl ToothProfile {
             [Some(right), Some(left)] => deeper(right, left),
             [one, other] => one.or(other).unwrap_or_else(|| self.contact(point, radius)),
         }
+    }
+
+    /// Return the nearest gap to a cylinder of `radius` \[m\] at `point` in the sprocket's frame \[m\], and the contact in it, whose normal is
+    /// in that frame.
+    pub(crate) fn contact_in_sprocket(&self, point: Vec2, radius: f64) -> (u32, ToothContact) {
+        let gap = self.gap_towards(point);
+        // Frame of the gap: v points radially outward through the gap, u is v turned clockwise.
+        let v = self.gap_direction(gap);
+        let u = Vec2::new(v.y, -v.x);
+        let place = Vec2::new(point.dot(&u), point.dot(&v) - self.seat_center_radius);
+        let found = self.contact_in(gap, place, radius);
+        let normal = found.normal.x * u + found.normal.y * v;
+        (gap, ToothContact { normal, ..found })
     }
 
     /// Return the contact with a given surface, extended past its ends, of the flank on the side of `point`.
