@@ -21,7 +21,7 @@ use crate::system::PowerSum;
 
 /// Right-hand side of the equations of motion. Its contact memory changes between steps only.
 ///
-/// The solution is y = [q, v, energy dissipated, external work], with the deflections of bristles after q and their rates after v. It
+/// The solution is y = [q, Z, v, z, energy dissipated, external work] with the deflections z of bristles and their unused integrals Z. It
 /// differs from the state by a `Shift`, so the integrator's solution and history are not modified by projections.
 #[derive(Debug, Clone)]
 pub struct MechanismDynamics {

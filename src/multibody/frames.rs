@@ -27,21 +27,12 @@ impl MechanismModel {
 
     /// Set the body frames to positions and velocities nearby.
     pub(crate) fn place_nearby(&self, frames: &mut [Frame], state: &[f64]) {
-        self.place_by(frames, state, Frame::moved);
-    }
-
-    fn place_by(
-        &self,
-        frames: &mut [Frame],
-        state: &[f64],
-        frame_at: impl Fn(&Frame, [f64; 3], [f64; 3]) -> Frame,
-    ) {
         let n = self.coordinates();
         for (frame, first) in frames.iter_mut().zip(&self.first) {
             if let Some(i) = *first {
                 let [position, velocity] =
                     [i, n + i].map(|i| [state[i], state[i + 1], state[i + 2]]);
-                *frame = frame_at(frame, position, velocity);
+                *frame = frame.moved(position, velocity);
             }
         }
     }
@@ -63,9 +54,8 @@ impl MechanismModel {
         let mut state = vec![0.0; 2 * n];
         for (frame, first) in frames.iter().zip(&self.first) {
             if let Some(i) = *first {
-                state[i..i + 3].copy_from_slice(&[frame.origin.x, frame.origin.y, frame.angle]);
-                let velocity = [frame.velocity.x, frame.velocity.y, frame.spin];
-                state[n + i..n + i + 3].copy_from_slice(&velocity);
+                state[i..i + 3].copy_from_slice(&frame.position());
+                state[n + i..n + i + 3].copy_from_slice(&frame.rates());
             }
         }
         state

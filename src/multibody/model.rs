@@ -11,7 +11,7 @@ use super::contact::step_bound::ContactBodies;
 use super::description::body::{Body, End, Frame, Marker};
 use super::description::force_element::{Force, ForceKind};
 use super::description::joint::{Joint, JointKind};
-use super::{GROUND, Mechanism};
+use super::{GROUND, Mechanism, PrescribedMotion};
 use crate::error::{Error, Result, listed};
 use crate::geometry::{Vec2, turned_left};
 use crate::math::simd::InstructionSet;
@@ -151,13 +151,11 @@ impl MechanismModel {
                 }
                 _ => 0.0,
             };
-            let kind = force.kind.clone();
-            let name = force.name.clone();
             self.forces.push(Force {
-                name,
+                name: force.name.clone(),
                 a,
                 b,
-                kind,
+                kind: force.kind.clone(),
                 rest,
             });
         }
@@ -355,15 +353,8 @@ impl MechanismModel {
 }
 
 /// Return the equation with its prescribed motion. A motion given by its speed starts from the initial position.
-fn driven(
-    mut equation: Equation,
-    motion: &super::description::driver::PrescribedMotion,
-    frames: &[Frame],
-) -> Equation {
-    if matches!(
-        motion,
-        super::description::driver::PrescribedMotion::Speed(_)
-    ) {
+fn driven(mut equation: Equation, motion: &PrescribedMotion, frames: &[Frame]) -> Equation {
+    if matches!(motion, PrescribedMotion::Speed(_)) {
         equation.offset = equation.quantity(frames);
     }
     equation.motion = Some(motion.clone());

@@ -1,5 +1,6 @@
 //! Recording of a mechanism: its channels and the values written into their rows.
 
+use super::description::body::Frame;
 use super::dynamics::MechanismDynamics;
 use super::model::MechanismModel;
 use crate::system::{Channel, Row};
@@ -90,16 +91,12 @@ pub(crate) fn write_row(
 
 /// Write positions, velocities and accelerations of all bodies but the ground; the last two are zero for fixed bodies.
 fn write_bodies(row: &mut Row, dynamics: &MechanismDynamics) {
-    let first = &dynamics.model.first[1..];
     let frames = &dynamics.frames[1..];
-    row.vectors((frames.iter()).map(|frame| [frame.origin.x, frame.origin.y, frame.angle]));
-    row.vectors(frames.iter().zip(first).map(|(frame, first)| {
-        first.map_or([0.0; 3], |_| {
-            [frame.velocity.x, frame.velocity.y, frame.spin]
-        })
-    }));
-    let a = &dynamics.accelerations;
-    row.vectors((first.iter()).map(|first| first.map_or([0.0; 3], |i| [a[i], a[i + 1], a[i + 2]])));
+    row.vectors(frames.iter().map(Frame::position));
+    row.vectors(frames.iter().map(Frame::rates));
+    let bodies = 1..dynamics.model.bodies.len();
+    let accelerations = &dynamics.accelerations;
+    row.vectors(bodies.map(|body| dynamics.model.accelerations_of(body, accelerations)));
 }
 
 /// Write reactions, largest residuals and peaks of all joints.

@@ -94,15 +94,8 @@ impl MechanismDynamics {
             return Err(Error::JointsApart { time: t, residuals });
         }
         // The new shift is the projected state less the integrator's solution.
-        let (n, unknowns) = (self.model.coordinates(), self.model.unknowns());
-        let solutions = [&solution[..n], &solution[unknowns..unknowns + n]];
-        let count = n.max(1);
-        let shifts = self.shift.values.chunks_exact_mut(count);
-        let states = state.chunks_exact(count);
-        for ((shift, state), solution) in shifts.zip(states).zip(solutions) {
-            for ((shift, x), solution) in shift.iter_mut().zip(state).zip(solution) {
-                *shift = x - solution;
-            }
+        for (i, (shift, x)) in self.shift.values.iter_mut().zip(&state).enumerate() {
+            *shift = x - solution[self.model.component(i)];
         }
         self.shift.time = t;
         self.work.inside = state;

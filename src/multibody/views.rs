@@ -25,7 +25,7 @@ impl MechanismDynamics {
     /// Return the non-zero entries (constraint, coordinate, value) of the Jacobian at the last state.
     #[must_use]
     pub fn jacobian(&self) -> Vec<(usize, usize, f64)> {
-        self.constraints.jacobian(&self.model)
+        self.constraints.jacobian()
     }
 
     /// Return the right-hand sides γ of the constraints at the last state.
@@ -71,16 +71,14 @@ impl MechanismDynamics {
             .collect()
     }
 
-    /// Return positions (`velocities` false) or velocities (true) of all bodies but the ground at the last evaluation.
-    pub(crate) fn motion(&self, velocities: bool) -> Vec<[f64; 3]> {
-        let of = |frame: &Frame| {
-            if velocities {
-                [frame.velocity.x, frame.velocity.y, frame.spin]
-            } else {
-                [frame.origin.x, frame.origin.y, frame.angle]
-            }
-        };
-        self.frames[1..].iter().map(of).collect()
+    /// Return the positions of all bodies but the ground at the last evaluation.
+    pub(crate) fn positions(&self) -> Vec<[f64; 3]> {
+        self.frames[1..].iter().map(Frame::position).collect()
+    }
+
+    /// Return the velocities of all bodies but the ground at the last evaluation.
+    pub(crate) fn velocities(&self) -> Vec<[f64; 3]> {
+        self.frames[1..].iter().map(Frame::rates).collect()
     }
 
     /// Return the largest residual of positions and of velocities at the end of the last step.

@@ -47,7 +47,7 @@ impl AnySimulation {
     pub fn positions(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().positions(),
-            Self::Mechanism(simulation) => simulation.motion(false),
+            Self::Mechanism(simulation) => simulation.positions(),
         }
     }
 
@@ -55,7 +55,7 @@ impl AnySimulation {
     pub fn velocities(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().velocities(),
-            Self::Mechanism(simulation) => simulation.motion(true),
+            Self::Mechanism(simulation) => simulation.velocities(),
         }
     }
 

@@ -90,7 +90,7 @@ impl Equilibrium {
             return Err(Error::Impossible(format!("start=\"static\": {why}")));
         }
         let start = InitialConfiguration {
-            positions: resting.dynamics.motion(false),
+            positions: resting.dynamics.positions(),
             velocities: mechanism.bodies.iter().map(|body| body.velocity).collect(),
             surfaces: resting.dynamics.stored_surfaces(),
         };

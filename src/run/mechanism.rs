@@ -103,9 +103,14 @@ impl Simulation<MechanismDynamics> {
         row_of(&mut self.system, self.now, MechanismGroups::ALL)
     }
 
-    /// Return positions (false) or velocities (true) of all bodies at the present time, without the ground.
-    pub fn motion(&mut self, velocities: bool) -> Vec<[f64; 3]> {
-        self.present().motion(velocities)
+    /// Return the positions of all bodies at the present time, without the ground.
+    pub fn positions(&mut self) -> Vec<[f64; 3]> {
+        self.present().positions()
+    }
+
+    /// Return the velocities of all bodies at the present time, without the ground.
+    pub fn velocities(&mut self) -> Vec<[f64; 3]> {
+        self.present().velocities()
     }
 
     /// Return the largest residuals of positions and of velocities at the end of the last step.

@@ -130,7 +130,7 @@ fn bounces_without_damping_lose_no_more_than_with_the_explicit_corrector() {
 fn pendulum_error(reference: &[[f64; 3]], control: StepControl) -> f64 {
     let mut machine = simulation(&bar_chain(2, 0.3), control);
     run_to(&mut machine, 1.0);
-    let found = machine.motion(false).concat();
+    let found = machine.positions().concat();
     let errors = found.iter().zip(reference.as_flattened());
     errors.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
@@ -139,7 +139,7 @@ fn pendulum_error(reference: &[[f64; 3]], control: StepControl) -> f64 {
 fn the_error_of_newtons_method_falls_with_the_tolerance_to_its_last_digits() {
     let mut exact = simulation(&bar_chain(2, 0.3), control(1e-14, 0.05, Corrector::Pece));
     run_to(&mut exact, 1.0);
-    let exact = exact.motion(false);
+    let exact = exact.positions();
     // Means over neighbours: single tolerances are lucky at times.
     let mean = |tolerances: [f64; 3], by_component: bool| {
         let logarithms = tolerances.map(|tolerance| {

@@ -79,12 +79,12 @@ fn a_flywheel_turns_as_the_integral_of_the_torques_that_are_set() {
     run.set_input("motor", Torque, 0.7.into()).unwrap();
     run_to(&mut run, 0.2);
     let impulse = 0.3 * 0.123 + 0.7 * 0.077;
-    assert!((run.motion(true)[0][2] - impulse / INERTIA).abs() < 1e-9);
+    assert!((run.velocities()[0][2] - impulse / INERTIA).abs() < 1e-9);
     run.set_input("motor", Torque, rows(&[(0.2, 0.7), (0.3, -0.5)]))
         .unwrap();
     run_to(&mut run, 0.4);
     let impulse = impulse + 0.1 * 0.1 - 0.5 * 0.1;
-    assert!((run.motion(true)[0][2] - impulse / INERTIA).abs() < 1e-9);
+    assert!((run.velocities()[0][2] - impulse / INERTIA).abs() < 1e-9);
 }
 
 #[test]
@@ -103,9 +103,9 @@ fn the_work_of_torques_set_at_reports_is_the_kinetic_energy() {
 fn a_crank_goes_on_from_its_angle_at_the_speed_that_is_set_and_the_slider_with_it() {
     let mut run = simulation(&slider_crank(10.0), 1e-9);
     run_to(&mut run, 0.0371);
-    let before = run.motion(false);
+    let before = run.positions();
     run.set_input("motor", Speed, 25.0.into()).unwrap();
-    let after = run.motion(false);
+    let after = run.positions();
     for (before, after) in before.iter().flatten().zip(after.iter().flatten()) {
         assert!((before - after).abs() < 1e-13);
     }
@@ -115,7 +115,7 @@ fn a_crank_goes_on_from_its_angle_at_the_speed_that_is_set_and_the_slider_with_i
         let along = (ROD * ROD - across * across).sqrt();
         let place = CRANK * angle.cos() + along;
         let rate = -speed * across * (1.0 + CRANK * angle.cos() / along);
-        let (found, found_rate) = (run.motion(false)[2][0], run.motion(true)[2][0]);
+        let (found, found_rate) = (run.positions()[2][0], run.velocities()[2][0]);
         assert!((found - place).abs() < 1e-12, "{found} {place}");
         assert!((found_rate - rate).abs() < 1e-10, "{found_rate} {rate}");
     };
@@ -166,7 +166,7 @@ fn a_torque_that_is_set_does_what_the_same_step_in_a_table_does() {
         let mut without = pushed(0.0.into());
         let [set, described, without] = [&mut set, &mut described, &mut without].map(|run| {
             run_to(run, end);
-            run.motion(false)
+            run.positions()
         });
         let apart = |a: &[[f64; 3]], b: &[[f64; 3]]| {
             let apart = a.iter().flatten().zip(b.iter().flatten());
@@ -199,7 +199,7 @@ fn changes_that_are_none_leave_path_and_onsets() {
         run.set_input("none", Torque, torque.into()).unwrap();
     }
     run_to(&mut run, end);
-    let (set, free) = (run.motion(false), plain.motion(false));
+    let (set, free) = (run.positions(), plain.positions());
     let apart = set.iter().flatten().zip(free.iter().flatten());
     let apart = apart.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-7, "{apart:e}");
@@ -235,9 +235,9 @@ fn a_state_after_a_change_goes_on_alike_in_a_simulation_of_the_mechanism_as_it_w
     }
     // Going back to the start takes the change away.
     let start = simulation(&mechanism, 1e-8).snapshot();
-    let before = run.motion(true)[0][2];
+    let before = run.velocities()[0][2];
     run.restore(&start).unwrap();
-    assert!((run.motion(true)[0][2] - before).abs() > 50.0);
+    assert!((run.velocities()[0][2] - before).abs() > 50.0);
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn a_pendulum_comes_back_after_its_period() {
     for (tolerance, bound) in [(1e-7, 3e-6), (1e-10, 5e-9)] {
         let mut pendulum = simulation(&bar_chain(1, 0.0), tolerance);
         run_to(&mut pendulum, period);
-        let [x, y, angle] = pendulum.motion(false)[0];
+        let [x, y, angle] = pendulum.positions()[0];
         let error = (x - 0.5).abs().max(y.abs()).max(angle.abs());
         assert!(error < bound, "{tolerance} {error}");
     }
@@ -124,7 +124,7 @@ fn andrews_squeezing_mechanism_meets_the_test_set_to_nine_digits() {
         assert_eq!(machine.assembly().degrees_of_freedom, 1);
         assert!(machine.assembly().moved < 1e-15);
         run_to(&mut machine, 0.03);
-        let found: Vec<f64> = machine.motion(false).iter().map(|q| q[2]).collect();
+        let found: Vec<f64> = machine.positions().iter().map(|q| q[2]).collect();
         // The problem's own angles are taken between neighbours.
         let own = [
             found[0],
@@ -139,7 +139,7 @@ fn andrews_squeezing_mechanism_meets_the_test_set_to_nine_digits() {
         let worst = errors.map(|(e, f)| ((e - f) / e).abs()).fold(0.0, f64::max);
         assert!(worst < bound, "{tolerance} {worst:e}");
         // What remains is one delay for all seven bodies, about 1e-12 s at the last tolerances.
-        let speeds: Vec<f64> = machine.motion(true).iter().map(|v| v[2]).collect();
+        let speeds: Vec<f64> = machine.velocities().iter().map(|v| v[2]).collect();
         let delay = (expected[0] - found[0]) / speeds[0];
         for ((expected, found), speed) in expected.iter().zip(&found).zip(&speeds) {
             let left = expected - found - delay * speed;
@@ -186,5 +186,5 @@ fn bodies_without_joints_have_no_constrained_system() {
     assert!(!free.present().is_constrained());
     run_to(&mut free, 1.0);
     let fallen = 0.5 * 0.4f64.sin() - 0.5 * GRAVITY;
-    assert!((free.motion(false)[0][1] - fallen).abs() < 1e-9);
+    assert!((free.positions()[0][1] - fallen).abs() < 1e-9);
 }

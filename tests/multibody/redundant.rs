@@ -168,7 +168,7 @@ fn a_platform_swings_on_any_number_of_posts_in_as_many_steps() {
             assert_eq!(machine.assembly().degrees_of_freedom, 1, "{count}");
             assert_eq!(machine.assembly().redundant.len(), count - 2, "{count}");
             run_to(&mut machine, 0.5);
-            let off = machine.motion(false)[1][2] - swung(count, 0.3, 2.0);
+            let off = machine.positions()[1][2] - swung(count, 0.3, 2.0);
             let bound = if corrector == Corrector::Pece {
                 1e-7
             } else {
@@ -198,7 +198,7 @@ fn a_platform_passes_where_its_posts_lie_in_steps_of_any_length() {
                 let mut machine = MechanismSimulation::assemble(model, control).unwrap();
                 run_to(&mut machine, 0.25);
                 let place = format!("{count} {corrector:?} {accuracy:e}");
-                assert!(machine.motion(false)[1][2] > 1.05 * PI, "{place}");
+                assert!(machine.positions()[1][2] > 1.05 * PI, "{place}");
             }
         }
     }
@@ -261,7 +261,7 @@ fn wheels_coupled_by_three_rods_pass_the_dead_points_of_each() {
             assert_eq!(machine.assembly().degrees_of_freedom, 1);
             assert_eq!(machine.assembly().redundant.len(), 2 * (count - 1));
             run_to(&mut machine, 1.0);
-            let bodies = machine.motion(false);
+            let bodies = machine.positions();
             let turned = (0..count).map(|k| bodies[if k == 0 { 0 } else { 4 * k - 3 }][2]);
             // Balanced wheels and rods that stay level turn on as they did.
             let off = turned.map(|angle| (angle - 8.0).abs()).fold(0.0, f64::max);

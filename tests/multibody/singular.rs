@@ -46,7 +46,7 @@ fn driven(windows: usize, speed: f64) -> Mechanism {
 
 /// Largest difference of the posts' angles, and turn of a coupler, from which a row folds over.
 fn fold(simulation: &mut MechanismSimulation) -> f64 {
-    let bodies = simulation.motion(false);
+    let bodies = simulation.positions();
     let turns = bodies.iter().enumerate().map(|(i, q)| {
         let coupler = i > 0 && i % 2 == 0;
         let parallel_to = if coupler { 0.0 } else { bodies[0][2] };
@@ -65,7 +65,7 @@ fn driven_parallelograms_pass_singular_positions_with_both_correctors() {
                 let turns = if speed > 10.0 { 9.125 } else { 3.125 };
                 let end = 4.0 * FRAC_PI_2 * turns / speed;
                 run_to(&mut machine, end);
-                let angle = machine.motion(false)[0][2];
+                let angle = machine.positions()[0][2];
                 let (off, fold) = (angle - FRAC_PI_2 + speed * end, fold(&mut machine));
                 let place = format!("{windows} {speed} {accuracy:e} {corrector:?}");
                 assert!(

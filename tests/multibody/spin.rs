@@ -30,10 +30,7 @@ fn turned(mechanism: &Mechanism, control: StepControl) -> ([f64; 2], u64) {
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
     let mut simulation = MechanismSimulation::assemble(model, control).unwrap();
     run_to(&mut simulation, 1.0);
-    let (angle, spin) = (
-        simulation.motion(false)[0][2],
-        simulation.motion(true)[0][2],
-    );
+    let (angle, spin) = (simulation.positions()[0][2], simulation.velocities()[0][2]);
     ([angle, spin], simulation.counts().steps)
 }
 

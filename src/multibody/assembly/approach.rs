@@ -144,7 +144,7 @@ impl Projector<'_> {
     /// Return the Jacobian of the scaled residuals.
     fn scaled_jacobian(&self, size: f64) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(self.constraints.rows.len(), self.model.coordinates());
-        for (i, k, value) in self.constraints.jacobian(self.model) {
+        for (i, k, value) in self.constraints.jacobian() {
             matrix[(i, k)] += value / self.unit(i, size);
         }
         matrix

@@ -44,25 +44,18 @@ impl MechanismModel {
 /// Return warnings on groups of bodies without connection to the ground.
 pub(crate) fn loose_parts(model: &MechanismModel) -> Vec<String> {
     let mut part: Vec<usize> = (0..model.bodies.len()).collect();
-    let joints = model
-        .equations
-        .iter()
-        .map(|e| [e.a.body, e.b.body, e.carrier]);
-    let forces = model.forces.iter().map(|f| [f.a.body, f.b.body, f.b.body]);
-    let contacts = model
-        .contacts
-        .iter()
-        .map(|c| [c.a.body, c.b.body, c.b.body]);
-    let fixed = (0..model.bodies.len())
-        .filter(|&i| model.bodies[i].fixed)
-        .map(|i| [0, i, i]);
-    // Union-find: each joint, force and contact joins the groups of its bodies; the carrier of a gear is 0 where there is none.
-    for [a, b, c] in joints.chain(forces).chain(contacts).chain(fixed) {
-        let other = if c == 0 { b } else { c };
-        for (x, y) in [(a, b), (b, other)] {
-            let (x, y) = (root(&mut part, x), root(&mut part, y));
-            part[x.max(y)] = x.min(y);
-        }
+    let joints = model.equations.iter().map(|e| (e.a.body, e.b.body));
+    // The carrier of a gear is 0 where there is none.
+    let geared = model.equations.iter().filter(|e| e.carrier != 0);
+    let carriers = geared.map(|e| (e.b.body, e.carrier));
+    let forces = model.forces.iter().map(|f| (f.a.body, f.b.body));
+    let contacts = model.contacts.iter().map(|c| (c.a.body, c.b.body));
+    let fixed = (0..part.len()).filter(|&i| model.bodies[i].fixed);
+    let pairs = joints.chain(carriers).chain(forces).chain(contacts);
+    // Union-find: each joint, force and contact joins the groups of its bodies.
+    for (a, b) in pairs.chain(fixed.map(|i| (0, i))) {
+        let (a, b) = (root(&mut part, a), root(&mut part, b));
+        part[a.max(b)] = a.min(b);
     }
     for i in 0..part.len() {
         part[i] = root(&mut part, i);

@@ -6,6 +6,7 @@ use super::equation::EquationRow;
 use super::jacobian::{Group, Jacobian};
 use super::pin::PinTorques;
 use super::sparse_kkt::SparseKkt;
+use crate::geometry::Vec2;
 use crate::multibody::description::body::Frame;
 use crate::multibody::model::MechanismModel;
 
@@ -62,12 +63,10 @@ impl ConstraintState {
             match group {
                 Group::Point(point) => point.evaluate(frames, &mut self.rows),
                 Group::Single(row) => {
-                    self.rows[*row] = {
-                        let equation = &model.equations[*row];
-                        let motion = equation.motion.as_ref();
-                        let t = motion.map_or(t, |motion| motion.one_sided(t, self.step_start));
-                        equation.evaluate(t, frames)
-                    }
+                    let equation = &model.equations[*row];
+                    let motion = equation.motion.as_ref();
+                    let t = motion.map_or(t, |motion| motion.one_sided(t, self.step_start));
+                    self.rows[*row] = equation.evaluate(t, frames);
                 }
             }
         }
@@ -112,13 +111,11 @@ impl ConstraintState {
     }
 
     /// Return the non-zero entries (constraint, coordinate, value) of the Jacobian.
-    pub(crate) fn jacobian(&self, model: &MechanismModel) -> Vec<(usize, usize, f64)> {
+    pub(crate) fn jacobian(&self) -> Vec<(usize, usize, f64)> {
         let mut entries = Vec::new();
         for (i, row) in self.rows.iter().enumerate() {
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = model.first[*body] {
-                    entries.extend((0..3).map(|k| (i, first + k, part[k])));
-                }
+            for (first, part) in self.jacobian.parts(row) {
+                entries.extend((0..3).map(|k| (i, first + k, part[k])));
             }
         }
         entries.retain(|entry| entry.2 != 0.0);
@@ -140,7 +137,7 @@ impl ConstraintState {
             let [x, y, torque] = self.rows[i].jacobian[1].map(|j| -self.multipliers[i] * j);
             load[0] += x;
             load[1] += y;
-            load[2] += torque - (arm.x * y - arm.y * x);
+            load[2] += torque - arm.perp(&Vec2::new(x, y));
         }
         for (pin, torque) in model.pins.iter().zip(&self.pin_torques.values) {
             if pin.joint == joint {

@@ -205,7 +205,7 @@ mod tests {
         let lambda: Vec<f64> = (0..m).map(|i| (2.0 + i as f64).cos()).collect();
         let weights: Vec<f64> = (0..n).map(|k| 1.0 / (1.0 + k as f64)).collect();
         let (mut along, mut pushed) = (vec![0.0; m], x.clone());
-        for (row, k, value) in state.jacobian(&model) {
+        for (row, k, value) in state.jacobian() {
             along[row] += value * x[k];
             pushed[k] += weights[k] * value * lambda[row];
         }

@@ -54,17 +54,11 @@ impl Pair {
     pub(crate) fn new(a: End, b: End, frames: &[Frame], seen_from_a: bool) -> Self {
         let (fa, fb) = (&frames[a.body], &frames[b.body]);
         let arms = [fa.turned(a.point), fb.turned(b.point)];
+        let ([xa, ya, turn_a], [xb, yb, turn_b]) = (fa.rates(), fb.rates());
         Self {
             d: (fb.origin - fa.origin) + (arms[1] - arms[0]),
             arms,
-            v: [
-                fa.velocity.x,
-                fa.velocity.y,
-                fa.spin,
-                fb.velocity.x,
-                fb.velocity.y,
-                fb.spin,
-            ],
+            v: [xa, ya, turn_a, xb, yb, turn_b],
             seen_from_a,
         }
     }

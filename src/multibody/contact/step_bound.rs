@@ -96,7 +96,7 @@ impl CompiledContact {
     /// Return the gap between circle and profile \[m\]; negative in contact.
     fn gap(&self, frames: &[Frame], side_states: &[SideState]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm();
+        let apart = self.apart_squared(frames).sqrt();
         if apart > self.reach {
             return apart - self.reach;
         }
@@ -127,14 +127,13 @@ impl CompiledContact {
     ) -> (Vec2, Vec2) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let center = fb.place(self.b.point);
-        let speed = fb.velocity_at(center) - fa.velocity_at(center);
         // a + α × r - ω² r of a body at the centre of the circle.
         let accelerated = |frame: &Frame, [x, y, spin]: [f64; 3]| {
             let arm = center - frame.origin;
             Vec2::new(x, y) + spin * turned_left(arm) - frame.spin * frame.spin * arm
         };
         let acceleration = accelerated(fb, accelerations[1]) - accelerated(fa, accelerations[0]);
-        (speed, acceleration)
+        (self.approach(fa, fb), acceleration)
     }
 }
 

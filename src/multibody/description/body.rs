@@ -174,6 +174,16 @@ impl Frame {
         }
     }
 
+    /// Return position and angle \[m, m, rad\].
+    pub(crate) fn position(&self) -> [f64; 3] {
+        [self.origin.x, self.origin.y, self.angle]
+    }
+
+    /// Return velocity and angular velocity \[m/s, m/s, rad/s\].
+    pub(crate) fn rates(&self) -> [f64; 3] {
+        [self.velocity.x, self.velocity.y, self.spin]
+    }
+
     /// Transform a vector of the body's frame into the ground's frame.
     pub(crate) fn turned(&self, local: Vec2) -> Vec2 {
         local.x * self.direction + local.y * turned_left(self.direction)

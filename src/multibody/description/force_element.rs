@@ -116,9 +116,7 @@ impl ForceElement {
             }
         }
     }
-}
 
-impl ForceElement {
     /// Check the bodies: an element between bodies needs two different ones, an element on one body needs one that is not the ground.
     fn check_bodies(&self, field: &str) -> Result<()> {
         if self.a.body != self.b.body {
@@ -170,9 +168,8 @@ impl Force {
             }
             ForceKind::Spring { law, .. } => self.pull(law, fa, fb, loads),
             ForceKind::Custom(CustomForce(function)) => {
-                let position = [fb.origin.x, fb.origin.y, fb.angle];
-                let velocity = [fb.velocity.x, fb.velocity.y, fb.spin];
-                let [x, y, torque] = function(t, position, velocity);
+                let velocity = fb.rates();
+                let [x, y, torque] = function(t, fb.position(), velocity);
                 loads.push(self.b.body, fb, fb.origin, Vec2::new(x, y));
                 loads.twist(self.b.body, torque);
                 loads.external_work += x * velocity[0] + y * velocity[1] + torque * velocity[2];

@@ -52,8 +52,7 @@ impl Force {
                 }
             }
             ForceKind::Custom(CustomForce(function)) => {
-                let position = [fb.origin.x, fb.origin.y, fb.angle];
-                let velocity = [fb.velocity.x, fb.velocity.y, fb.spin];
+                let (position, velocity) = (fb.position(), fb.rates());
                 let here = function(t, position, velocity);
                 // Column l by forward differences of the coordinate and of the velocity l.
                 for l in 0..3 {

@@ -86,13 +86,18 @@ impl ImplicitMatrix {
 impl MechanismDynamics {
     /// Assemble and factorise the sparse matrix at the last evaluation, near singular positions too; return whether it is regular.
     pub(crate) fn factorise_here(&mut self, gamma: f64) -> bool {
-        let taken = self.corrector.matrix.take();
-        let mut matrix = taken.unwrap_or_else(|| Box::new(ImplicitMatrix::new(&self.model)));
+        let mut matrix = self.take_matrix(gamma);
         matrix.by_differences = None;
-        self.corrector.stage.gamma = gamma;
         let regular = self.linearise(&mut matrix, gamma);
         self.corrector.matrix = Some(matrix);
         regular
+    }
+
+    /// Return the matrix, for factors of a step with `gamma`, out of the corrector.
+    fn take_matrix(&mut self, gamma: f64) -> Box<ImplicitMatrix> {
+        self.corrector.stage.gamma = gamma;
+        let taken = self.corrector.matrix.take();
+        taken.unwrap_or_else(|| Box::new(ImplicitMatrix::new(&self.model)))
     }
 
     /// Assemble and factorise the matrix at the last evaluation; return whether it is regular.
@@ -205,9 +210,7 @@ impl SecondOrderSystem for MechanismDynamics {
         if !singular || self.model.coordinates() > MOST_BY_DIFFERENCES {
             return self.factorise_here(gamma);
         }
-        let taken = self.corrector.matrix.take();
-        let mut matrix = taken.unwrap_or_else(|| Box::new(ImplicitMatrix::new(&self.model)));
-        self.corrector.stage.gamma = gamma;
+        let mut matrix = self.take_matrix(gamma);
         let factors = self.matrix_by_differences(y, gamma);
         let regular = factors.is_invertible();
         matrix.by_differences = Some(factors);
