@@ -118,7 +118,7 @@ impl StepControl {
             return Err(Error::invalid(
                 "Solver.max_order",
                 self.max_order,
-                "must be between 1 and 12",
+                format!("must be between 1 and {MAX_ORDER}"),
             ));
         }
         Ok(())

@@ -3,7 +3,7 @@
 //! The kernels have the same equations over vectors (chain/rhs/chain/hinges.rs). This form serves event location, which must not run the
 //! kernels: they would overwrite the arrays of the last evaluation.
 
-use crate::geometry::{Contact, Vec2};
+use crate::geometry::{Contact, Vec2, direction};
 
 /// Return the contact of a cylinder in a bore with radial `clearance` c \[m\]: δ = |e| - c, dδ/dt = n · de/dt.
 ///
@@ -12,11 +12,7 @@ use crate::geometry::{Contact, Vec2};
 #[must_use]
 pub(super) fn pin_in_bushing(offset: Vec2, velocity: Vec2, clearance: f64) -> Contact {
     let distance = offset.norm();
-    let normal = if distance > 0.0 {
-        offset / distance
-    } else {
-        Vec2::zeros()
-    };
+    let normal = direction(offset, distance);
     Contact {
         normal,
         penetration: distance - clearance,

@@ -188,7 +188,7 @@ fn check_wheel_velocity(model: &Model, start: &InitialConfiguration, s: usize) -
             // The guide path of an arm is curved: its tangent at the initial centre applies, not that at the described one.
             let way = sprocket.slide_at(Vec2::new(x, y));
             let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
-            let across = tangent.x * vy - tangent.y * vx;
+            let across = tangent.perp(&Vec2::new(vx, vy));
             if across.abs() > VELOCITY_ROUNDING * vx.hypot(vy) {
                 return refuse(
                     format!("({vx}, {vy})"),

@@ -7,63 +7,58 @@ use crate::system::Channel;
 /// Return the channels of these groups, without rows; rows are written in the same order.
 pub(crate) fn channels(model: &Model, groups: Groups) -> Vec<Channel> {
     let mut channels = Vec::new();
-    let mut add = |name: &'static str, row_shape: &[usize], whole: bool| {
-        channels.push(if whole {
-            Channel::whole(name, row_shape)
-        } else {
-            Channel::real(name, row_shape)
-        });
-    };
+    let mut add = |channel| channels.push(channel);
+    let (real, whole) = (Channel::real, Channel::whole);
     let (n, s, bodies) = (model.links, model.sprockets.len(), model.bodies());
     if groups.hinges {
-        add("hinge_force", &[n], false);
-        add("hinge_force_vector", &[n, 2], false);
-        add("hinge_penetration", &[n], false);
-        add("hinge_eccentricity", &[n, 2], false);
+        add(real("hinge_force", &[n]));
+        add(real("hinge_force_vector", &[n, 2]));
+        add(real("hinge_penetration", &[n]));
+        add(real("hinge_eccentricity", &[n, 2]));
         if !model.hinges.ideal {
-            add("hinge_onset_speed", &[n], false);
+            add(real("hinge_onset_speed", &[n]));
         }
-        add("strand_tension", &[model.strands.len()], false);
-        add("peak_hinge_force", &[n], false);
-        add("peak_hinge_impulse", &[n], false);
+        add(real("strand_tension", &[model.strands.len()]));
+        add(real("peak_hinge_force", &[n]));
+        add(real("peak_hinge_impulse", &[n]));
         if model.hinges.film.is_some() {
-            add("hinge_film_force", &[n], false);
+            add(real("hinge_film_force", &[n]));
         }
         if model.ends.is_some() {
-            add("end_force", &[2, 2], false);
-            add("end_position", &[2, 2], false);
-            add("end_velocity", &[2, 2], false);
+            add(real("end_force", &[2, 2]));
+            add(real("end_position", &[2, 2]));
+            add(real("end_velocity", &[2, 2]));
         }
     }
     if groups.hinges && model.rollers.is_some() {
-        add("roller_force", &[n], false);
-        add("roller_force_vector", &[n, 2], false);
-        add("roller_penetration", &[n], false);
-        add("roller_eccentricity", &[n, 2], false);
-        add("roller_onset_speed", &[n], false);
-        add("peak_roller_force", &[n], false);
-        add("peak_roller_impulse", &[n], false);
+        add(real("roller_force", &[n]));
+        add(real("roller_force_vector", &[n, 2]));
+        add(real("roller_penetration", &[n]));
+        add(real("roller_eccentricity", &[n, 2]));
+        add(real("roller_onset_speed", &[n]));
+        add(real("peak_roller_force", &[n]));
+        add(real("peak_roller_impulse", &[n]));
     }
     if groups.teeth {
-        add("tooth_force", &[n], false);
-        add("tooth_force_vector", &[n, 2], false);
-        add("tooth_penetration", &[n], false);
-        add("tooth_onset_speed", &[n], false);
-        add("tooth_sprocket", &[n], true);
-        add("tooth_index", &[n], true);
-        add("tooth_region", &[n], true);
-        add("peak_tooth_force", &[n], false);
-        add("peak_tooth_impulse", &[n], false);
+        add(real("tooth_force", &[n]));
+        add(real("tooth_force_vector", &[n, 2]));
+        add(real("tooth_penetration", &[n]));
+        add(real("tooth_onset_speed", &[n]));
+        add(whole("tooth_sprocket", &[n]));
+        add(whole("tooth_index", &[n]));
+        add(whole("tooth_region", &[n]));
+        add(real("peak_tooth_force", &[n]));
+        add(real("peak_tooth_impulse", &[n]));
     }
     if groups.sprockets {
-        add("sprocket_angle", &[s], false);
-        add("sprocket_speed", &[s], false);
-        add("sprocket_torque", &[s], false);
-        add("sprocket_center", &[s, 2], false);
+        add(real("sprocket_angle", &[s]));
+        add(real("sprocket_speed", &[s]));
+        add(real("sprocket_torque", &[s]));
+        add(real("sprocket_center", &[s, 2]));
     }
     if groups.bodies {
-        add("positions", &[bodies, 3], false);
-        add("velocities", &[bodies, 3], false);
+        add(real("positions", &[bodies, 3]));
+        add(real("velocities", &[bodies, 3]));
     }
     channels
 }

@@ -191,7 +191,7 @@ mod tests {
                 let along = found.points[i + 1] - found.points[i];
                 prop_assert!((along.norm() - link.length).abs() < 1e-14 * length);
                 let pull = found.tensions[i] + found.tensions[i + 1];
-                let moment = along.x * pull.y - along.y * pull.x;
+                let moment = along.perp(&pull);
                 let weighs = 3.25 * count as f64;
                 prop_assert!(moment.abs() < 1e-12 * pull.norm() * length, "{moment}");
                 let weight = found.tensions[i + 1] - found.tensions[i] + link.weight * down;

@@ -138,8 +138,7 @@ mod tests {
                 let gap = profile.nearest_gap(direction.y.atan2(direction.x));
                 let middle = unit(f64::from(gap) * std::f64::consts::PI);
                 let place = 0.08 * direction;
-                let across = place.x * middle.y - place.y * middle.x;
-                let in_gap = Vec2::new(across, place.dot(&middle));
+                let in_gap = Vec2::new(place.perp(&middle), place.dot(&middle));
                 let depth = profile.contact(in_gap, 0.0).penetration;
                 let apart = distance_from_outline(&profile, place);
                 assert!((depth + apart).abs() < 1e-6, "{i}: {depth} {apart}");

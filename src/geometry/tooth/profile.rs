@@ -360,7 +360,7 @@ mod tests {
         let area: f64 = outline
             .iter()
             .zip(outline.iter().cycle().skip(1))
-            .map(|(a, b)| 0.5 * (a.x * b.y - a.y * b.x))
+            .map(|(a, b)| 0.5 * a.perp(b))
             .sum();
         assert!(area > 0.8 * PI * p.pitch_radius.powi(2));
         assert!(

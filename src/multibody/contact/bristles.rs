@@ -96,30 +96,15 @@ impl MechanismModel {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{contact, floor, mechanism};
+    use super::super::tests::{self, bristled};
     use super::*;
-    use crate::force_law::LuGre;
-    use crate::multibody::description::tribology::FrictionLaw;
     use crate::multibody::dynamics::MechanismDynamics;
     use std::sync::Arc;
 
     /// Return the model of two bodies with `count` contacts with bristles.
     fn model(count: usize) -> MechanismModel {
-        let pairs = (0..count).map(|k| {
-            let mut pair = contact(floor(), 0.1);
-            pair.name = format!("contact {k}");
-            pair.tribology.friction = Some(FrictionLaw::LuGre(LuGre {
-                static_coefficient: 0.4,
-                kinetic_coefficient: 0.3,
-                stiffness: 1e3,
-                damping: 0.0,
-                viscous_coefficient: 0.0,
-                stribeck_speed: 0.1,
-                stribeck_exponent: 2.0,
-            }));
-            pair
-        });
-        MechanismModel::compile(&mechanism(pairs.collect())).unwrap()
+        let pairs = (0..count).map(|k| bristled(&format!("contact {k}")));
+        tests::model(pairs.collect())
     }
 
     #[test]

@@ -186,12 +186,9 @@ impl ContactStates {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{BALL, at_rest, contact, evaluated, floor, frames, model};
+    use super::super::tests::{BALL, at_rest, bristled, contact, evaluated, frames, model};
     use super::*;
-    use crate::force_law::LuGre;
-    use crate::multibody::description::contact_pair::ContactPair;
     use crate::multibody::description::profile::Profile;
-    use crate::multibody::description::tribology::FrictionLaw;
 
     const IN_CONTACT: Memory = Memory {
         speed: 0.5,
@@ -201,21 +198,8 @@ mod tests {
 
     /// Return a contact with a disc of 0.2 m and one with a floor, which has bristles.
     fn disc_and_floor() -> MechanismModel {
-        let friction = FrictionLaw::LuGre(LuGre {
-            static_coefficient: 0.4,
-            kinetic_coefficient: 0.3,
-            stiffness: 1e3,
-            damping: 0.0,
-            viscous_coefficient: 0.0,
-            stribeck_speed: 0.1,
-            stribeck_exponent: 2.0,
-        });
-        let mut bristled = ContactPair {
-            name: "floor".into(),
-            ..contact(floor(), 0.1)
-        };
-        bristled.tribology.friction = Some(friction);
-        model(vec![contact(Profile::Disc { radius: 0.2 }, 0.1), bristled])
+        let disc = contact(Profile::Disc { radius: 0.2 }, 0.1);
+        model(vec![disc, bristled("floor")])
     }
 
     fn ball_at(x: f64, y: f64) -> Vec<Frame> {

@@ -2,13 +2,14 @@
 
 use super::compiled_contact::CompiledContact;
 use super::contact_states::ContactStates;
+use crate::force_law::LuGre;
 use crate::geometry::Vec2;
 use crate::multibody::Mechanism;
 use crate::multibody::description::body::{Body, Frame, Marker};
 use crate::multibody::description::contact_law::ContactLaw;
 use crate::multibody::description::contact_pair::ContactPair;
 use crate::multibody::description::profile::Profile;
-use crate::multibody::description::tribology::Tribology;
+use crate::multibody::description::tribology::{FrictionLaw, Tribology};
 use crate::multibody::forces::loads::BodyLoads;
 use crate::multibody::model::MechanismModel;
 
@@ -37,6 +38,22 @@ pub(super) fn contact(profile: Profile, radius: f64) -> ContactPair {
         law: spring(),
         tribology: Tribology::default(),
     }
+}
+
+/// Return the contact of a circle of 0.1 m with the floor, with bristles.
+pub(super) fn bristled(name: &str) -> ContactPair {
+    let mut pair = contact(floor(), 0.1);
+    pair.name = name.into();
+    pair.tribology.friction = Some(FrictionLaw::LuGre(LuGre {
+        static_coefficient: 0.4,
+        kinetic_coefficient: 0.3,
+        stiffness: 1e3,
+        damping: 0.0,
+        viscous_coefficient: 0.0,
+        stribeck_speed: 0.1,
+        stribeck_exponent: 2.0,
+    }));
+    pair
 }
 
 /// Return the outline of straight lines through `points` \[m\].

@@ -42,7 +42,7 @@ impl BodyLoads {
         let load = &mut self.on[body];
         load[0] += force.x;
         load[1] += force.y;
-        load[2] += arm.x * force.y - arm.y * force.x;
+        load[2] += arm.perp(&force);
     }
 
     /// Add a torque on a body \[N m\].

@@ -1,14 +1,13 @@
 //! Tests of contact onsets, and of the memory of contacts along runs and returns.
 
-use super::super::tests::{BALL, contact, floor, mechanism, outline};
+use super::super::tests::{BALL, bristled, contact, floor, mechanism, outline};
 use super::*;
-use crate::force_law::{Damping, Elastic, ForceLaw, LuGre, Regions};
+use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
 use crate::geometry::{Vec2, unit};
 use crate::integrator::{Corrector, OdeSystem, StepControl};
 use crate::multibody::description::body::Marker;
 use crate::multibody::description::contact_law::ContactLaw;
 use crate::multibody::description::profile::Profile;
-use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::{Mechanism, MechanismDynamics};
 use crate::system::System;
 use std::sync::Arc;
@@ -357,17 +356,7 @@ fn contacts_out_of_reach_have_no_memory() {
 
 #[test]
 fn a_return_undeflects_the_bristles_of_open_contacts_alone() {
-    let mut pair = contact(floor(), RADIUS);
-    pair.tribology.friction = Some(FrictionLaw::LuGre(LuGre {
-        static_coefficient: 0.4,
-        kinetic_coefficient: 0.3,
-        stiffness: 1e3,
-        damping: 0.0,
-        viscous_coefficient: 0.0,
-        stribeck_speed: 0.1,
-        stribeck_exponent: 2.0,
-    }));
-    let mut described = mechanism(vec![pair]);
+    let mut described = mechanism(vec![bristled("floor")]);
     for (y, kept) in [(0.08, 3e-5), (0.12, 0.0)] {
         described.bodies[1].position[1] = y;
         let (mut dynamics, adams) = ready(&described);
