@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 _FEWEST = 16  # rows of a spectrum or a segment of it
+_ROUNDING = 1e-13  # of the largest value of an array: variation below it is of rounding
 
 
 def spectrum(
@@ -33,7 +34,8 @@ def spectrum(
     """Return the power spectral density of a recorded array, (..., frequency [Hz]).
 
     `scipy.signal.welch`: Hann's window, straight lines taken off. Of two rows 1e-4 s apart,
-    what vibrates faster than 5 kHz, as contacts do, is folded down.
+    what vibrates faster than 5 kHz, as contacts do, is folded down. A part that varies by rounding
+    only, less than 1e-13 of the largest value of the array, has zeros.
 
     Parameters
     ----------
@@ -59,6 +61,8 @@ def spectrum(
     values = recorded.to_numpy()[rows]
     check_finite(f"name = {shown(name)}", values)
     frequency, density = welch(result.time[rows], np.moveaxis(values, 0, -1), segment)
+    varies = np.sqrt(density.sum(axis=-1) * frequency[1]) > _ROUNDING * np.abs(values).max()
+    density = np.where(varies[..., np.newaxis], density, 0.0)
     unit = str(recorded.attrs["units"])
     others = [dim for dim in recorded.dims if dim != "time"]
     return xr.DataArray(

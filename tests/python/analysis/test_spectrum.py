@@ -104,3 +104,13 @@ def test_what_has_no_rows_over_time_has_no_spectrum(name):
     assert name in result.to_xarray()
     with pytest.raises(rc.InvalidInput, match=f"name = '{name}': has no rows over time"):
         result.spectrum(name)
+
+
+def test_what_varies_by_rounding_only_has_a_spectrum_of_zeros():
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, torque=[(0.0, -1.9), (1.0, -2.1)])
+    result = rc.Simulation(drive).run(5e-3, record=("sprockets",), progress=False)
+    motor, load = result.spectrum("sprocket_torque").to_numpy()
+    assert motor.min() > 0.0
+    assert load.max() == 0.0
+    (axes,) = result.plot.spectrum("sprocket_torque", sprocket=2).axes
+    assert "nothing varies" in axes.texts[0].get_text()
