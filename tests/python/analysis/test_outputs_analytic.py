@@ -57,3 +57,14 @@ def test_long_strands_have_the_frequencies_of_a_string(modes, tension, speed):
 @pytest.mark.parametrize("speed", [3.0, 12.0])
 def test_centrifugal_tension_is_independent_of_shape(shape, speed):
     hold(strands.centrifugal(shape, speed))
+
+
+@pytest.mark.parametrize("sprocket", [1, 2])
+def test_forces_on_teeth_at_rest_are_the_tensioner_force(sprocket):
+    """The recipe of docs/reference/outputs.md for the force on a shaft."""
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, speed=0.0, pretension=50.0)
+    result = rc.Simulation(drive, start="static").run(1e-3, record=["teeth"], progress=False)
+    data = result.to_xarray()
+    on_teeth = -data["tooth_force_vector"].where(data["tooth_sprocket"] == sprocket, 0.0)
+    along = on_teeth.sum("bushing").to_numpy()[0, 0] * (1.0 if sprocket == 1 else -1.0)
+    assert along == pytest.approx(drive.check().tension_force, rel=1e-6)
