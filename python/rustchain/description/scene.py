@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from inspect import isfunction
 from typing import TYPE_CHECKING, Literal, cast, get_args
 
 from rustchain.arguments import finite_number, plain, rows_of, shown
@@ -280,6 +281,8 @@ def instead_of_a_scene(given: object) -> tuple[str, str]:
         with suppress(Exception):  # of any object
             if isinstance(getattr(given, name), Scene | ChainDrive | Mechanism):
                 return kind, f"; use {kind.lower()}.{name}"
+    if isfunction(given):
+        return shown(given), "; call it, or for sweep and study let it return the Scene"
     return shown(given), ""
 
 

@@ -100,6 +100,10 @@ def test_a_message_shows_any_value_on_one_line_of_eighty_characters(kind):
             lambda r: rc.Scene(r),
             "scene = Result: must .*; use result.scene",
         ),
+        (
+            lambda r: rc.Scene(rc.paper_drive, start="static"),
+            "must be a ChainDrive or a Mechanism; call it, or for sweep and study let it return",
+        ),
         (lambda r: rc.Scene(rc.Scene(rc.Mechanism())), "scene = Scene: must .*; use scene.system"),
         (lambda r: rc.sweep(int, {"x": [1]}), "scene: got <class 'int'>; expected a Scene, a Chai"),
         (lambda r: rc.sweep(r, {"x": [1]}), "scene: got Result; .*; use result.scene"),
