@@ -174,6 +174,7 @@ def two_sprocket_drive(
         size = SIZES.get(chain.name)
         iso = size is not None and size.standard == "ISO 606"
         profile = IsoTooth(seat=seat) if iso else AnsiTooth(seat=seat)
+    strands = f"-{chain.strands}" if chain.strands > 1 else ""
     return ChainDrive(
         chain=chain,
         sprockets=[
@@ -187,7 +188,7 @@ def two_sprocket_drive(
         ],
         tensioner=_tensioner(pretension),
         gravity=gravity,
-        name=f"{chain.name}, {pair[0]}:{pair[1]}",
+        name=f"{chain.name}{strands}, {pair[0]}:{pair[1]}",
         hinges=hinges,
     )
 
@@ -336,4 +337,6 @@ def _size(name: str) -> tuple[ChainSize, int | None]:
         return SIZES[listed], int(strands) if dash else None
     near = nearest_size(name)
     hint = suggest(name, SIZES) if near is None else f"did you mean {near!r}?"
+    if listed is not None and strands.isdecimal():
+        hint += f" Strands above 3: catalogue_chain({listed!r}, links, strands={strands})"
     raise InvalidInput(f"chain: {shown(name)} is not in the catalogue; {hint}")

@@ -142,11 +142,17 @@ def test_the_sizes_of_the_a_series_have_the_pitch_that_their_name_says():
         assert found.name.startswith("ANSI")
 
 
+def test_the_name_of_a_drive_of_two_sprockets_has_the_strands():
+    drives = [rc.two_sprocket_drive(chain, (19, 38), links=100) for chain in ("08B-1", "08B-2")]
+    assert [drive.name for drive in drives] == ["ISO 08B, 19:38", "ISO 08B-2, 19:38"]
+
+
 def test_strands_that_the_name_does_not_say_are_refused():
     assert rc.catalogue_chain("08B-2", 60, strands=2).strands == 2
     with pytest.raises(rc.InvalidInput, match="strands = 3: the name '08B-2' says 2"):
         rc.catalogue_chain("08B-2", 60, strands=3)
-    with pytest.raises(rc.InvalidInput, match="'08B-4' is not in the catalogue"):
+    remedy = r"Strands above 3: catalogue_chain\('ISO 08B', links, strands=4\)"
+    with pytest.raises(rc.InvalidInput, match=f"'08B-4' is not in the catalogue; .*{remedy}"):
         rc.catalogue_chain("08B-4", 60)
 
 
