@@ -115,7 +115,7 @@ impl<'a> TwoSprocketDrive<'a> {
         let apart = self.profiles[0].outside_radius + self.profiles[1].outside_radius;
         let distance = self.center_distance.max(LEAST_PROPOSED_DISTANCE * apart);
         let fewest = links_for(pitch, teeth, distance);
-        let enough = if fewest == links {
+        let enough = if fewest == links && self.center_distance > apart {
             remedy(&self.drive.chain, fewest)
         } else {
             format!("a centre distance of {distance:.6} m takes {fewest} links")

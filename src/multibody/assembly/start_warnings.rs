@@ -67,8 +67,12 @@ pub(crate) fn loose_parts(model: &MechanismModel) -> Vec<String> {
         .into_iter()
         .map(|number| {
             let members = (0..part.len()).filter(|&i| part[i] == number);
+            let moves = match members.clone().count() {
+                1 => "it moves by gravity and its own velocity",
+                _ => "they move by gravity and their own velocities",
+            };
             format!(
-                "nothing connects {} to the ground: they move by gravity and their own velocities only",
+                "nothing connects {} to the ground: {moves} only",
                 listed(members.map(|i| model.bodies[i].name.as_str()))
             )
         })

@@ -380,6 +380,12 @@ def test_too_few_links_are_refused_with_a_number_that_works(teeth, links):
     assert not works(lambda: rc.two_sprocket_drive(teeth=teeth, links=nearest - 2)), error
 
 
+def test_sprockets_that_overlap_are_not_cured_by_links():
+    drive = rc.two_sprocket_drive("ISO 16B", (19, 38), center_distance=0.24)
+    with pytest.raises(rc.InvalidInput, match=r"a centre distance of 0\.\d+ m takes 50 links$"):
+        drive.check()
+
+
 def test_sprockets_that_overlap_are_refused_with_the_distance_they_need():
     # Pitch radii 34.6 and 50.7 mm.
     teeth, distance = (17, 25), 0.05

@@ -228,7 +228,8 @@ def test_what_is_wrong_is_named(change, says):
 def test_loose_parts_are_warned_of():
     mechanism = pendulum()
     mechanism.add_body("loose", 1.0, 0.1)
-    with pytest.warns(UserWarning, match='nothing connects "loose"'):
+    says = 'nothing connects "loose" to the ground: it moves by gravity and its own velocity only'
+    with pytest.warns(UserWarning, match=says):
         rc.Simulation(mechanism)
 
 
