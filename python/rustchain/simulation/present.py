@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copyreg
+import math
 import threading
 import warnings
 from collections.abc import Mapping
@@ -33,6 +34,13 @@ from rustchain.typing import Array, FilePath, Number
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+
+class _State(dict[str, Any]):
+    """A complete state; printed by its names, as its bytes and arrays fill screens."""
+
+    def __repr__(self) -> str:
+        return f"<state at t = {self.get('time', math.nan):g} s: {', '.join(self)}>"
 
 
 class Present(OfScene):
@@ -116,7 +124,7 @@ class Present(OfScene):
 
             And ``snapshot``: bytes that hold all of it and all else, to the last bit.
         """
-        return self._core.state()
+        return _State(self._core.state())
 
     @known_keywords
     def set_state(self, state: Mapping[str, Any]) -> None:

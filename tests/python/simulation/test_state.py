@@ -498,3 +498,11 @@ def test_a_start_of_another_shape_or_kind_is_refused(name, changed, file, tmp_pa
     other = changed(np.load(file)[name])
     with pytest.raises(rc.InvalidInput, match=r"other\.npz: holds no state .* or is damaged"):
         rc.Simulation.load_state(rewritten(file, tmp_path / "other.npz", **{name: other}))
+
+
+def test_a_state_prints_its_names_also_when_copied():
+    simulation = rc.Simulation(rc.paper_drive())
+    for state in (simulation.state(), pickle.loads(pickle.dumps(simulation.state()))):
+        assert repr(state).startswith("<state at t = 0 s: time, positions, velocities, ")
+        assert len(repr(state)) < 200
+        simulation.set_state(state)
