@@ -102,6 +102,19 @@ def _keywords(function: Callable[..., object]) -> list[str] | None:
     return [p.name for p in parameters if p.kind in named and p.name not in ("self", "cls")]
 
 
+def _too_many(function: Callable[..., object], given: int) -> str | None:
+    """Return what a function takes by position where it was `given` more; None: it was not."""
+    parameters = inspect.signature(function).parameters.values()
+    named = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    places = [p.name for p in parameters if p.kind in named]
+    if given <= len(places) or any(p.kind is inspect.Parameter.VAR_POSITIONAL for p in parameters):
+        return None
+    names = [name for name in places if name not in ("self", "cls")]
+    others = "; give the others by name" if len(places) < len(parameters) else ""
+    given -= len(places) - len(names)
+    return f"takes {', '.join(names) or 'nothing'} by position, got {given} values{others}"
+
+
 def _field_of_returned(function: Callable[..., object], keyword: str) -> str | None:
     """Return how to set a field of the description that a function returns; None: it has none."""
     made: Any = inspect.unwrap(function)
@@ -150,6 +163,11 @@ def _checked(
                 )
                 msg = f"{name}() has no argument {keyword!r}; {remedy}"
                 raise TypeError(msg)
-        return function(*args, **keywords)
+        try:
+            return function(*args, **keywords)
+        except TypeError:
+            if (why := _too_many(function, len(args))) is None:
+                raise
+        raise TypeError(f"{name}() {why}")
 
     return checked  # type: ignore[return-value]

@@ -59,7 +59,7 @@ def test_an_unknown_keyword_is_refused_with_the_nearest_name(kind):
 @pytest.mark.parametrize("kind", [kind for kind in GOOD if kind != "Free"])
 def test_a_missing_or_surplus_argument_names_its_type(kind):
     good = GOOD[kind]
-    with pytest.raises(TypeError, match="positional argument"):
+    with pytest.raises(TypeError, match=rf"^{kind}\(\) takes .* by position, got \d+ values"):
         type(good)(*fields_of(good).values(), 1.0)
 
 

@@ -34,6 +34,23 @@ def test_an_unknown_keyword_is_answered_with_the_nearest_name(call, nearest):
         call()
 
 
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: rc.Table([0.0, 1.0], [2.0, 3.0]), "Table() takes rows by position, got 2 values"),
+        (
+            lambda: rc.two_sprocket_drive("ANSI 40", (17, 25), 60),
+            "two_sprocket_drive() takes chain, teeth by position, got 3 values; give the others by "
+            "name",
+        ),
+    ],
+)
+def test_too_many_values_are_answered_with_what_is_taken_by_position(call, says):
+    with pytest.raises(TypeError) as caught:
+        call()
+    assert str(caught.value) == says
+
+
 def test_a_keyword_like_no_other_is_answered_with_all_names():
     with pytest.raises(
         TypeError, match=r"Link\(\) has no argument 'xyz'; known: 'mass', 'inertia'"
