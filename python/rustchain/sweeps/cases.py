@@ -109,7 +109,8 @@ def cases_of(axes: object) -> tuple[Axes | None, list[Parameters]]:
     if not listed or not all(isinstance(case, Mapping) for case in listed):
         msg = (
             f"axes = {shown(axes)}: must map names to sequences of values, "
-            "or be a list with a mapping of names to values for each case"
+            "or be a list with a mapping of names to values for each case; of a DataFrame take "
+            ".to_dict('records')"
         )
         raise InvalidInput(msg)
     return None, [{name: _read_once(value) for name, value in case.items()} for case in listed]

@@ -13,6 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import rustchain as rc
@@ -964,3 +965,12 @@ def test_a_loss_map_refuses_a_torque_that_helps(side):
         rc.loss_map(drive, [20.0], [helping], loaded=loaded, duration=1e-3, burn_in=5e-4)
     with pytest.raises(rc.InvalidInput, match="sprocket 1 is the driver"):
         rc.loss_map(drive, [20.0], [-2.0], loaded=1, duration=1e-3, burn_in=5e-4)
+
+
+def test_a_data_frame_of_cases_is_refused_with_what_to_take():
+    table = pd.DataFrame({"pretension": [25.0, 50.0]})
+    with pytest.raises(rc.InvalidInput, match=r"of a DataFrame take \.to_dict\('records'\)"):
+        rc.sweep(rc.paper_drive(), table, duration=1e-3)
+    cases = table.to_dict("records")
+    found = rc.sweep(rc.paper_drive(), cases, duration=1e-3, progress=False)
+    assert found.cases == cases
