@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from rustchain import _rustchain
 from rustchain.analysis.jumps import teeth_jumped
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
+    from rustchain.description.chain import Chain
     from rustchain.description.drive import ChainDrive
     from rustchain.description.report import DriveReport
+    from rustchain.description.scene import Scene
     from rustchain.results.result import Result
     from rustchain.typing import Array
 
@@ -121,10 +124,10 @@ class Circuit:
         """Return the displacement of the chain since the start [pitches], (times,)."""
         return _moved(result, self._first) - self._ahead
 
-    def moved_at(self, drive: ChainDrive, positions: Array) -> float:
+    def moved_at(self, scene: Scene, positions: Array) -> float:
         """Return the displacement with the bodies at these positions [pitches]."""
-        wheel = len(positions) - len(drive.guides) - len(drive.sprockets) + self._first - 1
-        return float(_displacement(drive, self._first, positions[wheel, 2])) - self._ahead
+        angle = _wheels(scene.drive, positions)[self._first - 1, 2]
+        return float(_displacement(scene, self._first, angle)) - self._ahead
 
     def steps(self, result: Result, rows: slice) -> Array:
         """Return the path of the chain between these rows, forward and back [pitches], (rows - 1,).
@@ -258,7 +261,7 @@ def _wraps(drive: ChainDrive, centers: Array, moved: Array) -> tuple[Array, Arra
     seat = 0.0
     for place, number in enumerate(report.order):
         k = number - 1
-        per_radian = _turn(report, k) * report.teeth[k] / (2 * math.pi)
+        per_radian = _per_radian(report, k)
         # The belt line meets the pitch circle before the first seat, or a little behind it.
         apart = remainder(belt.meeting[:, place] - report.first_seat_angle[k] - line, 2 * math.pi)
         behind = moved[:, report.order[0] - 1] - moved[:, k]
@@ -274,14 +277,60 @@ def _moved(result: Result, number: int) -> Array:
     """Return the displacement of the chain at a sprocket since the start [pitches], (times,)."""
     tooth = 2 * math.pi / result.drive.sprockets[number - 1].teeth
     angle = result.array("sprocket_angle")[:, number - 1] - tooth * teeth_jumped(result, number)
-    return _displacement(result.drive, number, angle)
+    return _displacement(result.scene, number, angle)
 
 
-def _displacement(drive: ChainDrive, number: int, angle: Array) -> Array:
+def _displacement(scene: Scene, number: int, angle: Array) -> Array:
     """Return the displacement of a chain at a sprocket with these angles, without jumps."""
-    report, k = drive.check(), number - 1
-    moved: Array = (angle - report.phase[k]) * (_turn(report, k) * report.teeth[k] / (2 * math.pi))
+    report, k = scene.drive.check(), number - 1
+    moved: Array = (angle - report.phase[k]) * _per_radian(report, k) - _ahead_of_gaps(scene)[k]
     return moved
+
+
+def _ahead_of_gaps(scene: Scene) -> Array:
+    """Return by how many whole pitches each sprocket is turned ahead of given positions.
+
+    A sprocket turned by whole teeth, or a chain whose links are numbered from another one, is the
+    same drive. The hinge in the middle of each wrap shows by how much the angle misleads.
+    """
+    drive = scene.drive
+    report = drive.check()
+    ahead = np.zeros(len(drive.sprockets))
+    if scene.positions is None:
+        return ahead
+    positions = np.array(scene.positions)
+    wheels = _wheels(drive, positions)
+    fronts = fronts_of(drive.chain, positions[: drive.chain.links])
+    centers = wheels[None, :, :2]
+    begin, wrap = _wraps(drive, centers, np.zeros(centers.shape[:2]))
+    meeting = Belt.around(drive, centers).meeting
+    for place, number in enumerate(report.order):
+        k, per_radian = number - 1, _per_radian(report, number - 1)
+        middle = meeting[0, place] + 0.5 * wrap[0, place] / per_radian
+        from_center = fronts - wheels[k, :2]
+        angle = np.arctan2(from_center[:, 1], from_center[:, 0])
+        seat = report.pitch_radius[k] * np.array([math.cos(middle), math.sin(middle)])
+        apart = np.hypot(*(from_center - seat).T)
+        hinge = int(np.argmin(apart))
+        if apart[hinge] > drive.chain.pitch:
+            continue  # the chain has left this sprocket
+        past = math.remainder(angle[hinge] - middle, 2 * math.pi)
+        there = begin[0, place] + 0.5 * wrap[0, place] + past * per_radian
+        ahead[k] = np.round(hinge + (wheels[k, 2] - report.phase[k]) * per_radian - there)
+    first = ahead[report.order[0] - 1]
+    counted: Array = first + remainder(ahead - first, drive.chain.links)
+    return counted
+
+
+def _wheels(drive: ChainDrive, positions: Array) -> Array:
+    """Return the rows of the sprockets in positions of the bodies, (sprockets, 3)."""
+    end = len(positions) - len(drive.guides)
+    return positions[end - len(drive.sprockets) : end]
+
+
+def _per_radian(report: DriveReport, k: int) -> float:
+    """Return how far a chain moves as a sprocket turns counterclockwise [pitches/rad]."""
+    return _turn(report, k) * report.teeth[k] / (2 * math.pi)
 
 
 def _turn(report: DriveReport, k: int) -> float:
@@ -292,6 +341,14 @@ def _turn(report: DriveReport, k: int) -> float:
 def _in_order_of_the_way(values: tuple[_Listed, ...]) -> tuple[_Listed, ...]:
     """Return values by strand in the order of the chain path: two are listed upper, lower."""
     return values[::-1] if len(values) == 2 else values
+
+
+def fronts_of(chain: Chain, poses: Array) -> Array:
+    """Return where the front hinges of links at `poses` are [m], (..., links, 2)."""
+    half = 0.5 * _rustchain.chain_links(chain)[:, :1]
+    turn = np.stack([np.cos(poses[..., 2]), np.sin(poses[..., 2])], -1)
+    places: Array = poses[..., :2] + half * turn
+    return places
 
 
 def remainder(values: Array, period: float) -> Array:

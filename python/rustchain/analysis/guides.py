@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rustchain.analysis.circuit import Circuit, remainder
+from rustchain.analysis.circuit import Circuit, fronts_of, remainder
 from rustchain.analysis.loads import forces_of, nearest_contact
 from rustchain.analysis.phases import (
     NEWTONS,
@@ -20,7 +20,6 @@ from rustchain.analysis.phases import (
     mean_of,
     midway,
 )
-from rustchain.analysis.strands import fronts_of
 from rustchain.analysis.window import rows_between, start_positions
 from rustchain.arguments import shown
 from rustchain.description.guides import SmoothIdler
@@ -139,5 +138,5 @@ def _middle(result: Result, number: int) -> float:
     inside = np.clip(along, 0.0, 1.0)
     foot = hinges + inside[:, None] * step
     nearest = int(np.argmin(np.hypot(*(foot - np.array(guide.center)).T)))
-    moved = Circuit.of(drive).moved_at(drive, positions)
+    moved = Circuit.of(drive).moved_at(result.scene, positions)
     return float(nearest + inside[nearest] + moved)

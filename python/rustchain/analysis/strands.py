@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain import _rustchain
-from rustchain.analysis.circuit import Belt, Circuit, remainder
+from rustchain.analysis.circuit import Belt, Circuit, fronts_of, remainder
 from rustchain.analysis.spectrum import welch
 from rustchain.analysis.window import check_finite, rows_between
 from rustchain.arguments import count_within, shown
@@ -225,11 +225,3 @@ def strand_name(result: Result, strand: str | Count) -> str:
     """Return the name of a strand given by its name or number, or raise."""
     result.strand(strand)
     return strand if isinstance(strand, str) else result.strand_names[strand - 1]
-
-
-def fronts_of(chain: Chain, poses: Array) -> Array:
-    """Return where the front hinges of links at `poses` are [m], (..., links, 2)."""
-    half = 0.5 * _rustchain.chain_links(chain)[:, :1]
-    turn = np.stack([np.cos(poses[..., 2]), np.sin(poses[..., 2])], -1)
-    places: Array = poses[..., :2] + half * turn
-    return places
