@@ -99,6 +99,12 @@ def strand_motion(
     middle = 0.5 * (section.begin + section.end)
     apart = remainder(circuit.positions(result)[rows] - middle, circuit.links)
     near = np.abs(apart) < 0.5 * (section.end - section.begin) + 2.0
+    if not near.any(axis=1).all():
+        msg = (
+            f"strand_motion: no hinge is near strand {shown(name)} by the angles of the sprockets, "
+            "which have turned against the chain; take a part of the time before that"
+        )
+        raise InvalidInput(msg)
     motion = np.empty((len(x), len(stations)))
     for row, here in enumerate(near):
         order = np.argsort(x[row, here])

@@ -290,6 +290,15 @@ def test_the_tension_is_the_pull_along_the_links_ahead(run):
     assert list(found["hinge"]) == list(range(1, 79))
 
 
+def test_the_motion_of_a_strand_is_refused_where_a_sprocket_has_run_away(run):
+    """As in a chain that has come off: no tooth jumps are counted there."""
+    angle = np.tile(run.drive.check().phase, (2, 1))
+    angle[:, 1] += 4.0 * np.pi
+    result = made(run, [0.0, 0.0], [0.0, 0.1], sprocket_angle=angle)
+    with pytest.raises(rc.InvalidInput, match="have turned against the chain"):
+        result.strand_motion("1-2")
+
+
 @pytest.mark.parametrize(("strand", "moved"), [("1-2", 3.3), ("3-1", 70.6), (2, 12.45)])
 def test_the_motion_of_a_strand_is_what_its_hinges_are_off_its_line(run, strand, moved):
     """Hinges within two pitches of the strand count, others lie about; the line moves too."""
