@@ -225,7 +225,7 @@ def _inside(name: str, seconds: float, folder: Path) -> None:
             made.mkdir(parents=True, exist_ok=True)
         seeds = list(TARGETS[name][0]())
         read = TARGETS[name][1]()
-        work = Path(tempfile.mkdtemp(dir="/dev/shm" if Path("/dev/shm").is_dir() else None))
+        work = Path(tempfile.mkdtemp())
         for seed in seeds:
             with contextlib.suppress(rc.RustchainError):  # a scene that names another file
                 read(seed, work)
@@ -298,9 +298,15 @@ def main() -> int:
         report.unlink(missing_ok=True)
         left = given.seconds - total["processor time"]
         command = [sys.executable, __file__, given.target, "--inside", f"--seconds={left}"]
-        with (given.folder / "log").open("ab") as log:
-            command.append(f"--folder={given.folder}")
-            ended = subprocess.run(command, stdout=log, stderr=log)
+        command.append(f"--folder={given.folder}")
+        # Temporary files are here, since a process that ends early does not remove its own.
+        memory = "/dev/shm" if Path("/dev/shm").is_dir() else None
+        with (
+            (given.folder / "log").open("ab") as log,
+            tempfile.TemporaryDirectory(dir=memory) as scratch,
+        ):
+            environment = os.environ | {"TMPDIR": scratch}
+            ended = subprocess.run(command, stdout=log, stderr=log, env=environment)
         if not report.exists():
             print(f"ended with {ended.returncode} before its first report")
             return 1
