@@ -103,7 +103,7 @@ OF_PYTEST: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ),
     (
         "a killed run, a full disc or Ctrl-C loses no row that was written",
-        ("files/test_streams.py", "results/test_files.py"),
+        ("files/test_stream_failures.py", "results/test_files.py"),
         "killed or kill or full_disc or ctrl_c or limit_of_the_size",
     ),
     (
@@ -116,7 +116,15 @@ OF_PYTEST: tuple[tuple[str, tuple[str, ...], str], ...] = (
         ("sweeps/test_store.py", "sweeps/test_executors.py", "sweeps/test_sweep.py"),
         "ended or killed or interrupted or breaks or damaged",
     ),
-    ("interrupts are heard within a fifth of a second", ("simulation/test_interrupt.py",), ""),
+    (
+        "interrupts are heard within a fifth of a second",
+        (
+            "simulation/test_interrupt.py",
+            "simulation/test_interrupt_ends.py",
+            "simulation/test_interrupt_moments.py",
+        ),
+        "",
+    ),
     ("panics of the compiled module are errors", ("simulation/test_panics.py",), ""),
     (
         "a size that would take the memory or the time is refused",
