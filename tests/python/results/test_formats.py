@@ -2,7 +2,6 @@
 
 import hashlib
 import io
-import re
 import sys
 import threading
 from pathlib import Path
@@ -130,16 +129,9 @@ def test_a_result_of_another_format_is_refused_by_its_number(number, tmp_path):
     assert rc.__version__ in str(refused.value)
 
 
-def test_the_stored_state_loads_or_is_refused_by_its_number():
-    with np.load(STATE, allow_pickle=False) as stored:
-        position = stored["state.positions"]
-    try:
-        simulation = rc.Simulation.load_state(STATE)
-    except rc.InvalidInput as refused:
-        assert re.search(r"(format|version) \d+", str(refused))  # noqa: PT017
-        return
-    assert simulation.time == 1e-3
-    np.testing.assert_array_equal(simulation.positions, position)
+def test_the_stored_state_of_an_older_version_is_refused_by_its_number():
+    with pytest.raises(rc.InvalidInput, match=r"(format|version) \d+"):
+        rc.Simulation.load_state(STATE)
 
 
 def test_a_spectrum_is_of_one_unit():
