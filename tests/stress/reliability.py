@@ -108,8 +108,8 @@ OF_PYTEST: tuple[tuple[str, tuple[str, ...], str], ...] = (
     ),
     (
         "several writers of one store or file leave whole files, each case once",
-        ("sweeps/test_store.py", "sweeps/test_load_sweep.py", "results/test_files.py"),
-        "several_processes or processes_at_once or writers_at_once or share_a_store",
+        ("sweeps/test_load_sweep.py", "results/test_files.py"),
+        "processes_at_once or writers_at_once or share_a_store",
     ),
     (
         "a sweep that is interrupted, or loses a worker, continues where it was",
