@@ -8,6 +8,7 @@ from itertools import cycle, product
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 import rustchain as rc
 from reference.dynamics import DriveEquations
@@ -21,6 +22,16 @@ from reference.states import (
 
 STATES = 100
 REAL_TIMES = (4.5e-3, 6e-3, 9e-3, 15e-3)  # [s], after the first contacts
+
+# Every run of the tests tries the same examples, however busy the machine is.
+settings.register_profile(
+    "fixed",
+    derandomize=True,
+    database=None,
+    deadline=None,
+    suppress_health_check=list(HealthCheck),
+)
+settings.load_profile("fixed")
 
 
 def with_seat(drive: rc.ChainDrive, seat: str) -> rc.ChainDrive:

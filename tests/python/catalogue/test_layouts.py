@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rustchain as rc
@@ -407,7 +407,7 @@ def layouts(draw):
 
 
 @given(layouts(), st.integers(0, 1))
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25)
 def test_any_layout_starts_closed_and_free_of_contact(sprockets, pairs):
     drive = rc.chain_drive("ANSI 40", sprockets)
     drive = replace(drive, chain=replace(drive.chain, links=drive.chain.links + 2 * pairs))

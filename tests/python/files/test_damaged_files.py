@@ -7,20 +7,13 @@ import zipfile
 import h5py
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rustchain as rc
 from rustchain.results.values import equal
 
 EXAMPLES = 200  # 2 to 6 s each
-DAMAGE = settings(
-    max_examples=EXAMPLES,
-    deadline=None,
-    database=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
-)
 
 
 def drive():
@@ -140,7 +133,7 @@ def test_a_damaged_file_is_refused_or_says_what_it_said(file):
     text = path.suffix in (".toml", ".json")
     outcomes = []
 
-    @DAMAGE
+    @settings(max_examples=EXAMPLES)
     @given(EDITS)
     def damage(edits):
         content = edited(whole, edits)
@@ -187,7 +180,7 @@ def test_the_marks_of_a_file_that_is_written_are_read_and_damage_to_it_is_refuse
         assert refused_or_read(kind, whole[:length]) is None, length
     refused = []
     place = np.random.default_rng(1)
-    for _ in range(60):
+    for _ in range(20):
         content = bytearray(whole)
         content[place.integers(len(whole))] ^= 1 << place.integers(8)
         found = refused_or_read(kind, bytes(content))
