@@ -6,10 +6,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli.app import app
+from command import rustchain
 
 INCH = 0.0254
 SIZES = rc.chain_sizes()
@@ -178,13 +177,13 @@ def test_a_seat_beside_a_tooth_form_is_refused():
 
 
 def test_the_command_lists_all_and_shows_one():
-    listed = CliRunner().invoke(app, ["catalogue"])
+    listed = rustchain("catalogue")
     assert listed.exit_code == 0
     assert all(name in listed.output for name in SIZES)
-    one = CliRunner().invoke(app, ["catalogue", "16B"])
+    one = rustchain("catalogue", "16B")
     assert "ISO 16B (ISO 606)" in one.output
     assert "strength" in one.output
     assert "makers" in one.output
-    wrong = CliRunner().invoke(app, ["catalogue", "17C"])
+    wrong = rustchain("catalogue", "17C")
     assert wrong.exit_code == 1
     assert "not in the catalogue" in wrong.output

@@ -6,17 +6,12 @@ import sys
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import rustchain as rc
+from command import rustchain
 from cores import CoreAround, cores_within
 from rustchain.cli import main
-from rustchain.cli.app import app
 from rustchain.cli.common import LAWS
-
-
-def rustchain(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.fixture(scope="module")

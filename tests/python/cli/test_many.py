@@ -15,10 +15,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 from scipy import stats
-from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli.app import app
+from command import rustchain
 from rustchain.files.scene import SceneFile
 from rustchain.files.sweep import SweepFile, check_figures, measure_of
 from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
@@ -58,10 +57,6 @@ def peak(result):
 def begin(result):
     return float(result.time[0])
 """
-
-
-def rustchain(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 @pytest.fixture(autouse=True)

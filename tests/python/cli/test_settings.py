@@ -9,9 +9,9 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import rustchain as rc
+from command import rustchain
 from rustchain.cli.app import app
 from rustchain.cli.common import scene_file
 from rustchain.plot import Plots
@@ -30,10 +30,6 @@ COMMANDS = {
     "schema",
     "fmu",
 }
-
-
-def rustchain(*arguments, **keywords):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments], **keywords)
 
 
 @pytest.fixture(scope="module")
@@ -219,7 +215,7 @@ def test_the_shell_completes_commands_drives_and_settings(typed, offered, tmp_pa
         "COMP_WORDS": typed,
         "COMP_CWORD": str(len(words) - 1),
     }
-    done = CliRunner().invoke(app, [], prog_name="rustchain", env=environment)
+    done = rustchain(prog_name="rustchain", env=environment)
     assert offered <= set(done.stdout.split()), done.output
     if len(offered) == 1:
         assert set(done.stdout.split()) == offered

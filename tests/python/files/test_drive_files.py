@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli.app import app
+from command import rustchain
 from rustchain.description.base import Description
 from rustchain.files.scene import SceneFile
 from rustchain.files.source import Source, _read_json
@@ -23,10 +22,6 @@ from rustchain.files.source import Source, _read_json
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"
 PAGE = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
-
-
-def rustchain(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def written(tmp_path, text):
@@ -523,7 +518,7 @@ def test_check_refuses_what_run_refuses(tmp_path, run, said):
     path = tmp_path / "scene.toml"
     path.write_text("[drive]\nteeth = [17, 17]\nlinks = 60\nspeed = 10.0\n\n[run]\n" + run + "\n")
     for command in ("check", "run"):
-        done = CliRunner().invoke(app, [command, str(path)])
+        done = rustchain(command, path)
         assert done.exit_code != 0
         assert said in done.output + str(done.stderr)
 

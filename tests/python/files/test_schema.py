@@ -5,10 +5,9 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli.app import app
+from command import rustchain
 
 tomllib = pytest.importorskip("tomllib")  # Python 3.11
 EXAMPLE = Path(__file__).parents[3] / "examples" / "three_shafts.toml"
@@ -17,9 +16,9 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "three_shafts.toml"
 @pytest.fixture(scope="module")
 def schema(tmp_path_factory):
     path = tmp_path_factory.mktemp("schema") / "drive.schema.json"
-    done = CliRunner().invoke(app, ["schema", "--out", str(path)])
+    done = rustchain("schema", "--out", path)
     assert done.exit_code == 0, done.output
-    printed = CliRunner().invoke(app, ["schema"])
+    printed = rustchain("schema")
     assert printed.output == path.read_text(encoding="utf-8")
     return json.loads(printed.output)
 

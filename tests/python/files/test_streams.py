@@ -15,11 +15,10 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import rustchain as rc
+from command import rustchain
 from cores import CoreAround, cores_within
-from rustchain.cli.app import app
 from rustchain.results import netcdf
 from rustchain.results.stored import is_streamed
 from rustchain.results.stream import Stream
@@ -453,13 +452,11 @@ def test_memory_does_not_grow_with_the_duration(tmp_path):
 
 def test_the_command_streams(tmp_path):
     path = tmp_path / "run.nc"
-    done = CliRunner().invoke(
-        app, ["run", "paper", "--duration", "1e-3", "--out", str(path), "--memory", "20 MB"]
-    )
+    done = rustchain("run", "paper", "--duration", 1e-3, "--out", path, "--memory", "20 MB")
     assert done.exit_code == 0, done.output
     assert is_streamed(path)
     assert rc.load_result(path).success
-    refused = CliRunner().invoke(app, ["run", "paper", "--out", str(path), "--memory", "much"])
+    refused = rustchain("run", "paper", "--out", path, "--memory", "much")
     assert refused.exit_code == 1
     assert "memory = 'much': expected a size such as '256 MB'" in refused.output
 
@@ -468,10 +465,10 @@ def test_a_file_may_have_the_memory_of_its_run(tmp_path):
     text = '[drive]\ntype = "paper_drive"\n[run]\nduration = 1e-3\nmemory = "{}"\n'
     file = tmp_path / "drive.toml"
     file.write_text(text.format("20 MB"))
-    run = ["run", str(file), "--out", str(tmp_path / "run.nc")]
-    assert CliRunner().invoke(app, run).exit_code == 0
+    run = ["run", file, "--out", tmp_path / "run.nc"]
+    assert rustchain(*run).exit_code == 0
     file.write_text(text.format("much"))
-    for command in (run, ["check", str(file)]):
-        done = CliRunner().invoke(app, command)
+    for command in (run, ["check", file]):
+        done = rustchain(*command)
         assert done.exit_code == 1
         assert "memory = 'much': expected a size" in done.output

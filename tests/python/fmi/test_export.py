@@ -8,11 +8,10 @@ from pathlib import Path
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from typer.testing import CliRunner
 
 import rustchain as rc
+from command import rustchain
 from fmi.master import opened
-from rustchain.cli.app import app
 from rustchain.fmi import export
 
 
@@ -171,21 +170,17 @@ def test_without_the_library_the_error_says_what_to_do(drive, tmp_path, monkeypa
 
 
 def test_the_command_exports_a_file_and_a_state(tmp_path, version):
-    runner = CliRunner()
     file = tmp_path / "my_drive.toml"
     rc.save_scene(rc.Scene(rc.paper_drive(25.0)), file)
     out = tmp_path / "new" / "drive.fmu"
-    told = runner.invoke(app, ["fmu", str(file), "--fmi", version, "-o", str(out)])
+    told = rustchain("fmu", file, "--fmi", version, "-o", out)
     assert told.exit_code == 0, told.output
     assert validate_fmu(str(out)) == []
 
     simulation = rc.Simulation(rc.paper_drive(25.0))
     simulation.step_to(1e-3)
     simulation.save_state(tmp_path / "state.npz")
-    told = runner.invoke(
-        app,
-        ["fmu", str(tmp_path / "state.npz"), "--fmi", version, "-o", str(out), "--json"],
-    )
+    told = rustchain("fmu", tmp_path / "state.npz", "--fmi", version, "-o", out, "--json")
     assert told.exit_code == 0, told.output
     with opened(out) as master:
         master.initialize(1e-3).step(1e-3, 1e-3)
@@ -197,11 +192,11 @@ def test_the_command_exports_a_file_and_a_state(tmp_path, version):
         (["paper", "--inputs", "sprocket_9.set_speed"], "sprocket_9.set_speed"),
         ([str(tmp_path / "state.npz"), "--set", "pretension=1"], "--set is for a drive"),
     ):
-        told = runner.invoke(app, ["fmu", *arguments, "-o", str(tmp_path / "none.fmu")])
+        told = rustchain("fmu", *arguments, "-o", tmp_path / "none.fmu")
         assert told.exit_code == 1
         assert message in told.output
         assert "Traceback" not in told.output
-    told = runner.invoke(app, ["fmu", "paper", "--fmi", "4", "-o", str(tmp_path / "none.fmu")])
+    told = rustchain("fmu", "paper", "--fmi", 4, "-o", tmp_path / "none.fmu")
     assert told.exit_code == 2
     assert told.output == "error: --fmi = 4: expected 2.0 or 3.0\n"
 

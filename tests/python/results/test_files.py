@@ -19,10 +19,9 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli.app import app
+from command import rustchain
 
 KILLS = 3
 INTERRUPTS = 6
@@ -381,7 +380,7 @@ def test_every_kind_of_number_that_a_scene_takes_is_saved(number, tmp_path):
 def test_the_command_refuses_an_out_that_is_no_regular_file_before_it_runs(tmp_path, monkeypatch):
     monkeypatch.setattr(rc.Simulation, "run", lambda *_, **__: pytest.fail("it ran"))
     for path in (device(tmp_path), fifo(tmp_path)):
-        done = CliRunner().invoke(app, ["run", "paper", "--out", str(path)])
+        done = rustchain("run", "paper", "--out", path)
         assert done.exit_code == 1
         assert f"out = {path}: cannot be written (Is a " in done.output
         assert "Traceback" not in done.output
@@ -398,7 +397,7 @@ def test_the_command_replaces_figures_whole_or_not_at_all(tmp_path, kinds, monke
         raise OSError(errno.ENOSPC, "No space left")
 
     monkeypatch.setattr(os, "fsync", fails)
-    done = CliRunner().invoke(app, ["plot", str(tmp_path / "run.nc"), "--out", str(tmp_path)])
+    done = rustchain("plot", tmp_path / "run.nc", "--out", tmp_path)
     assert done.exit_code == 1
     assert f"out = {figure}: cannot be written (No space left)" in done.output
     assert figure.read_text() == "of before"
