@@ -328,7 +328,7 @@ class _SweepReader(Reader):
         laws = given.get("distributions", {})
         if not isinstance(laws, Mapping):
             self.refuse(("samples", "distributions"), f"{shown(laws)}: must be a table")
-            return {}
+            laws = {}
         key = ("samples", "distributions")
         made = {name: self._distribution(law, (*key, name)) for name, law in laws.items()}
         self.check()
@@ -336,7 +336,8 @@ class _SweepReader(Reader):
             drawn = samples(**(given | {"distributions": made}))
             return {names: list(rows) for names, rows in drawn.items()}
         except InvalidInput as error:
-            raise self.source.refusal_at(("samples",), str(error)) from error
+            text = str(error).removeprefix("samples: ")
+            raise self.source.refusal_at(("samples",), text) from error
 
     def _distribution(self, law: object, key: Key) -> Any:  # noqa: ANN401
         """Return a distribution of `scipy.stats` by its name and arguments."""
@@ -352,7 +353,16 @@ class _SweepReader(Reader):
         if name not in known:
             return self.refuse((*key, name), f"is no distribution; {suggest(name, known, main)}")
         make = getattr(stats, name)
-        try:
-            return make(**arguments) if isinstance(arguments, Mapping) else make(*arguments)
-        except (TypeError, ValueError) as error:
-            return self.refuse((*key, name), f"{shown(arguments)}: {error}")
+        shapes = make.shapes.split(", ") if make.shapes else []
+        names = [*shapes, "loc", *["scale"][: isinstance(make, stats.rv_continuous)]]
+        given = arguments
+        if isinstance(arguments, Sequence) and len(arguments) <= len(names):
+            given = dict(zip(names, arguments, strict=False))
+        if (
+            not isinstance(given, Mapping)
+            or not set(shapes) <= given.keys() <= set(names)
+            or any(type(number) not in (int, float) for number in given.values())
+        ):
+            told = f"expected a list or table of numbers: {', '.join(names)}"
+            return self.refuse((*key, name), f"{shown(arguments)}: {told}")
+        return make(**given)

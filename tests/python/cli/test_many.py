@@ -254,6 +254,17 @@ def test_arrays_of_different_length_leave_the_table_complete(tmp_path):
         ("[samples]\ncount = 2\n[samples.distributions]\nrtol={nrm=[1,2]}",
          "line 5, column 7: samples.distributions.rtol.nrm: is no distribution; did you mean"),
         ("[samples]\ncount = 2\n[samples.distributions]\nrtol=3", "such as { norm = [mean, dev"),
+        ("[samples]\ncount = 2\ndistributions = 3", "error: bad.toml, line 4, column 1: samples."),
+        *[(f"[samples]\ncount=2\n[samples.distributions]\nrtol={{norm={given}}}", f"norm: {told}: "
+           "expected a list or table of numbers: loc, scale\n")
+          for given, told in (("3", "3"), ("[1, 2, 3]", "[1, 2, 3]"), ("['a', 1]", "['a', 1]"),
+                              ("{mean=3}", "{'mean': 3}"), ("[true]", "[True]"))],
+        ("[samples]\ncount=2\n[samples.distributions]\nrtol={triang={loc=1}}",
+         "triang: {'loc': 1}: expected a list or table of numbers: c, loc, scale"),
+        ("[samples]\ncount=2\n[samples.distributions]\nrtol={randint=[1, 9, 0, 1]}",
+         "expected a list or table of numbers: low, high, loc\n"),
+        ("[samples]\ncount=2\n[samples.distributions]\nrtol={norm=[1, -1]}",
+         "line 2, column 2: samples: 'rtol' has values that are not finite"),
         ('measure = "measures.py:peek"\n[axes]\nrtol=[1]', "has no function 'peek'; did you mean"),
         ('measure = "none.py:peak"\n[axes]\nrtol=[1]', "measure: none.py: cannot be read"),
         ("measure = 3\n[axes]\nrtol=[1]", "measure = 3: expected names of figures"),
