@@ -47,7 +47,7 @@ def test_every_demand_has_its_scenes():
 
 def test_a_scene_that_loses_energy_is_a_failure():
     scene = SCENES[0]
-    outcome = robustness.run(scene, rc.Solver(method="newton", accuracy=1e-4), DURATION)
+    outcome = robustness.run(scene, rc.Solver(method="newton", accuracy=1e-6), DURATION)
     assert outcome.failed
     assert outcome.end.startswith("its balance is off: ")
 
@@ -100,7 +100,7 @@ def test_an_excess_is_known_with_the_default_solver_only(
 
 
 def test_a_run_whose_balance_does_not_close_says_so_once():
-    solver = rc.Solver(method="newton", accuracy=1e-4)
+    solver = rc.Solver(method="newton", accuracy=1e-6)
     with pytest.warns(rc.RustchainWarning, match="solver.accuracy"):
         simulation = rc.Simulation(rc.paper_drive(), solver=solver)
     with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-[0-9]+ or less") as caught:
