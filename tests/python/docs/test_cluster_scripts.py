@@ -76,9 +76,8 @@ def test_a_script_for_a_cluster_runs(name, tmp_path):
             pytest.skip("no MPI here")
         called = [launcher, "-n", "3", sys.executable, "-m", "mpi4py.futures", f"{name}.py"]
     paths = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
-    done = subprocess.run(
-        called, capture_output=True, text=True, cwd=tmp_path, env=os.environ | {"PYTHONPATH": paths}
-    )
+    environment = os.environ | {"PYTHONPATH": paths, "TMPDIR": str(tmp_path)}
+    done = subprocess.run(called, capture_output=True, text=True, cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
     cases = 2 if name == "on_slurm" else 8
     assert f"{cases} of {cases} cases finished, 0 failed" in done.stdout

@@ -1,5 +1,6 @@
 """A notebook: drive, simulation, result and sweep, each figure once, and a progress widget."""
 
+import os
 import subprocess
 import sys
 
@@ -49,6 +50,7 @@ def outputs(tmp_path_factory):
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", EXECUTE, path],
         cwd=path.parent,
+        env=os.environ | {"TMPDIR": str(path.parent)},
         capture_output=True,
         text=True,
         check=False,

@@ -145,24 +145,6 @@ def test_tooth_jumps_are_in_the_file(tmp_path):
         assert file["jump_time"].shape == (0,)
 
 
-def test_each_tooth_jump_is_once_in_a_file_of_several_pieces(tmp_path):
-    drive = rc.two_sprocket_drive(
-        "ANSI 40", (17, 25), links=60, speed=20, torque=-10, pretension=50
-    )
-    law = rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
-    run = {"duration": 0.5, "report_step": 1e-3, "record": ("teeth",), "progress": False}
-    path = tmp_path / "run.nc"
-    with pytest.warns(rc.ToothJumpWarning):
-        result = rc.Simulation(drive, law).run(**run, out=path, memory="1 MB")
-    jumps = rc.load_result(path).tooth_jumps
-    assert len(jumps) >= 2
-    assert jumps.equals(result.tooth_jumps)
-    assert jumps["time"].is_monotonic_increasing
-    with h5py.File(path, "r+") as file:  # as a kill between two columns leaves it
-        file["jump_direction"].resize(1, axis=0)
-    assert rc.load_result(path).tooth_jumps.equals(result.tooth_jumps[:1])
-
-
 def test_a_run_goes_on_when_its_rows_have_been_taken(tmp_path, monkeypatch):
     append, taken = Stream.append, []
 

@@ -159,7 +159,7 @@ def test_a_worker_of_dask_that_is_killed_loses_no_case(tmp_path):
         'drive = "paper"\nmeasure = "measures.py:end"\n[axes]\nduration = [1e-3, 2e-3, 3e-3]\n'
     )
     arguments = [sys.executable, str(script), str(tmp_path / "runs")]
-    environment = os.environ | {"DASK_TEMPORARY_DIRECTORY": str(tmp_path)}
+    environment = os.environ | {"TMPDIR": str(tmp_path)}
     done = subprocess.run(arguments, capture_output=True, text=True, cwd=tmp_path, env=environment)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == [True, True, 1, 8, True, 3]
