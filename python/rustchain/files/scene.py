@@ -204,7 +204,7 @@ def save_scene(scene: Scene, path: FilePath) -> None:
     where = path_of(path)
     form = where.suffix.lower()
     if form not in _FORMS:
-        msg = f"path = {shown(str(where))}: expected a name that ends in .toml or .json"
+        msg = f"path = {where}: expected a name that ends in .toml or .json"
         raise InvalidInput(msg)
     made = admitted("scene", scene_of(scene), Scene)
     try:

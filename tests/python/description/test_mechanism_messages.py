@@ -97,6 +97,38 @@ def test_a_number_of_hundreds_of_digits_is_told_with_its_exponent():
         rc.Table([(1e300, 1.0), (1e299, 1.0)])
 
 
+@pytest.mark.parametrize(
+    ("stiffness", "cubic", "told"),
+    [
+        (0.0, -1.0, "cubic of force 'strut' = -1.0: must be zero or a positive number, unless st"),
+        (-1.0, 0.0, "stiffness of force 'strut' = -1.0: .* unless cubic is positive"),
+        (-1.0, -1.0, "stiffness of force 'strut' = -1.0: .* unless cubic is positive"),
+    ],
+)
+def test_a_spring_that_pushes_its_ends_apart_without_end_is_refused(stiffness, cubic, told):
+    with pytest.raises(rc.InvalidInput, match=told):
+        with_spring(stiffness=stiffness, cubic=cubic)
+    # One that snaps through pulls again when it is long enough.
+    assert with_spring(stiffness=-1.0, cubic=1.0).forces[0].cubic == 1.0
+
+
+def test_the_place_of_a_joint_is_given_once():
+    with pytest.raises(rc.InvalidInput, match=r"at of joint 'pin' = .*: give it, or .* not both"):
+        pendulum().add_revolute("pin", "ground", "bar", (0.0, 0.0), at=(0.0, 0.0))
+
+
+def test_laws_of_a_scene_are_not_for_a_mechanism():
+    for given in (
+        {"force_law": rc.Hertz()},
+        {"hinge_law": rc.Hertz()},
+        {"tooth_law": rc.Hertz()},
+        {"min_impact_velocity": 1e-2},
+    ):
+        (name,) = given
+        with pytest.raises(rc.InvalidInput, match=f"{name} = .*is not for a mechanism, whose con"):
+            rc.Scene(pendulum(), **given)
+
+
 def test_a_force_law_of_a_contact_is_sent_to_a_surface_contact():
     mechanism = pendulum()
     says = (

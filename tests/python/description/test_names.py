@@ -230,3 +230,9 @@ def test_all_public_names_are_there():
 
 def test_the_instruction_set_has_a_name():
     assert rc.instruction_set() in {"avx512", "avx2", "neon", "plain"}
+
+
+def test_a_keyword_and_its_other_name_are_not_given_together():
+    told = "got 'min_impact_velocity' twice, once by its other name 'min_approach_speed'"
+    with pytest.raises(TypeError, match=told):
+        rc.Simulation(rc.paper_drive(), min_approach_speed=1e-3, min_impact_velocity=1e-3)

@@ -657,6 +657,26 @@ def test_a_drive_or_mechanism_that_is_no_table_is_refused_at_its_place(tmp_path,
         rc.load_scene(path)
 
 
+def test_a_file_of_a_drive_and_a_mechanism_is_refused(tmp_path):
+    body = '[[mechanism.bodies]]\nname = "a"\nmass = 1.0\ninertia = 1.0\n'
+    path = written(tmp_path, f'[drive]\ntype = "paper_drive"\n{body}')
+    with pytest.raises(rc.InvalidInput, match="has a drive and a mechanism; expected one of them"):
+        rc.load_scene(path)
+
+
+def test_a_scene_is_saved_as_toml_or_json_alone(tmp_path):
+    with pytest.raises(rc.InvalidInput, match=r"path = .*run\.txt: expected a name that ends in"):
+        rc.save_scene(rc.Scene(rc.paper_drive()), tmp_path / "run.txt")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("section", ["simulation", "run"])
+def test_a_section_that_is_no_table_is_refused(tmp_path, section):
+    path = written(tmp_path, f'{section} = 3\n[drive]\ntype = "paper_drive"\n')
+    with pytest.raises(rc.InvalidInput, match=f"line 1, column 1: {section}: 3: must be a table"):
+        rc.load_scene(path)
+
+
 @pytest.mark.parametrize("section", ["simulation", "run"])
 def test_a_type_of_a_table_that_has_none_is_an_unknown_key(tmp_path, section):
     path = written(tmp_path, f'[drive]\ntype = "paper_drive"\n[{section}]\ntype = "Scene"\n')

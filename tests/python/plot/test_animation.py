@@ -38,6 +38,27 @@ def every(result, step):
     return type(result)(**vars(result) | {"arrays": arrays})
 
 
+@pytest.mark.parametrize("bulge", [1.0, -1.0])
+def test_a_profile_of_arcs_is_drawn_along_them(bulge):
+    """Two half circles round the middle of two points, by a bulge of either sign."""
+    m = rc.Mechanism()
+    m.add_body("ball", mass=1.0, inertia=1e-3, position=(0.0, 0.5, 0.0))
+    points = [(-0.2, 0.1), (0.2, 0.1)]
+    law = rc.LinearContact(1e6)
+    m.add_outline_contact("stop", "ground", "ball", points, 0.05, law, bulges=[bulge, bulge])
+    (profile,) = (shape for shape in shapes_of(rc.Scene(m)).outlines if shape.kind == "profile")
+    off = profile.outline - [0.0, 0.1]
+    np.testing.assert_allclose(np.hypot(*off.T), 0.2, rtol=1e-12)
+    turns = np.unwrap(np.arctan2(off[:, 1], off[:, 0]))
+    assert turns[-1] - turns[0] == pytest.approx(bulge * 2.0 * np.pi)
+    assert np.abs(np.diff(turns)).max() < 0.21
+
+
+def test_a_part_of_one_row_has_no_animation(tmp_path):
+    with pytest.raises(rc.InvalidInput, match="the result has one row; expected two or more"):
+        RESULT.between(end=0.0).animate(tmp_path / "run.gif")
+
+
 def test_between_the_rows_bodies_follow_a_cubic():
     """A crank that turns 0.1 rad a row: r phi^4/384 = 6.5e-9 m off at most; straight: 3e-5 m."""
     result = rc.Simulation(slider_crank()).run(5e-3, report_step=1e-3, progress=False)

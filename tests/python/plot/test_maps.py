@@ -85,6 +85,9 @@ def test_what_makes_no_waterfall_is_refused():
     two = SweepResult(cases, {"speed": (1.0,), "pretension": (0, 1)}, [None, None], _measured=False)
     with pytest.raises(rc.InvalidInput, match="expected one axis of numbers"):
         draw_waterfall(two)
+    laws = waterfall([{"speed": rc.Hertz()}, {"speed": rc.Johnson()}], [None, None])
+    with pytest.raises(rc.InvalidInput, match=r"speed = Hertz\(\); expected a number"):
+        draw_waterfall(laws)
 
 
 @pytest.mark.parametrize(
@@ -302,6 +305,24 @@ def test_losses_are_drawn_over_speeds_in_order_and_negative_ones_to_the_right():
 def test_a_map_of_what_was_not_measured_is_refused():
     with pytest.raises(rc.InvalidInput, match="did you mean 'force'"):
         draw_map(campaign(), "forse")
+
+
+def test_what_makes_no_map_is_refused():
+    one = SweepResult([{"speed": 1.0}, {"speed": 2.0}], {"speed": (1.0, 2.0)}, [1.0, 2.0])
+    with pytest.raises(rc.InvalidInput, match="a sweep over speed; expected two axes or more"):
+        draw_map(one, "value")
+
+
+def test_laws_on_an_axis_stand_in_a_row_with_their_names():
+    laws, speeds = (rc.Hertz(), rc.Johnson()), (5.0, 10.0)
+    cases = [{"force_law": law, "speed": speed} for law in laws for speed in speeds]
+    found = SweepResult(cases, {"force_law": laws, "speed": speeds}, [1.0, 2.0, 3.0, 4.0])
+    axes = draw_sweep(found).axes[0]
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["Hertz", "Johnson"]
+    assert [line.get_xydata().tolist() for line in axes.lines] == [
+        [[0.0, 1.0], [1.0, 3.0]],
+        [[0.0, 2.0], [1.0, 4.0]],
+    ]
 
 
 def test_a_polar_load_stands_as_far_out_as_it_is_large():

@@ -86,6 +86,16 @@ def test_the_largest_forces_of_a_part_begin_with_those_of_its_first_row():
     assert series["largest tooth force"][0] < 0.9 * RESULT.array("peak_tooth_force")[row].max()
 
 
+@pytest.mark.filterwarnings("ignore::rustchain.RustchainWarning")  # nothing holds the body
+def test_a_page_without_forces_has_the_largest_speed_over_time():
+    m = rc.Mechanism(gravity=(0.0, -2.0))
+    m.add_body("ball", mass=1.0, inertia=1e-3)
+    result = rc.Simulation(m).run(0.1, 0.01, record=("bodies",), progress=False)
+    series = player.player_data(result.animate())["series"]
+    assert (series["names"], series["units"]) == (["largest speed of a body"], ["m/s"])
+    np.testing.assert_allclose(unpacked(series["block"])[0], 2.0 * result.time, atol=1e-5)
+
+
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     path = tmp_path_factory.mktemp("player") / "run.html"

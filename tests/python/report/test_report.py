@@ -296,6 +296,21 @@ def test_what_was_not_recorded_is_left_out_with_the_reason(tmp_path):
     assert 'class="player"' not in path.read_text(encoding="utf-8")
 
 
+@pytest.mark.filterwarnings("ignore::rustchain.ToothJumpWarning")
+def test_a_report_says_that_the_chain_jumped(tmp_path):
+    drive = rc.two_sprocket_drive(
+        "ANSI 40", (17, 25), links=60, speed=20, torque=-10, pretension=50
+    )
+    law = rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
+    result = rc.Simulation(drive, law).run(0.33, 1e-3, record=("hinges",), progress=False)
+    result.report(tmp_path / "run.html")
+    count = len(result.tooth_jumps)
+    told = (
+        f"the chain jumped {count} {'tooth' if count == 1 else 'teeth'}; there is no transmission"
+    )
+    assert told in text_of(tmp_path / "run.html")
+
+
 @pytest.mark.parametrize("kind", ["mechanism", "ideal", "open"])
 def test_every_kind_of_scene_has_a_report(kind, tmp_path):
     if kind == "mechanism":

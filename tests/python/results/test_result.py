@@ -365,6 +365,17 @@ def test_a_name_with_a_dot_and_a_number_is_taken(tmp_path, result):
     np.testing.assert_array_equal(rc.load_result(tmp_path / "run_25.5").time, result.time)
 
 
+@pytest.mark.filterwarnings("ignore::rustchain.RustchainWarning")  # nothing holds the body
+def test_arrays_of_drives_and_mechanisms_are_told_apart(result):
+    mechanism = rc.Mechanism(name="ball")
+    mechanism.add_body("ball", 1.0, 1e-3)
+    ball = rc.Simulation(mechanism).run(1e-3, progress=False)
+    with pytest.raises(rc.NotRecorded, match="hinge_force: ball has no hinges; it has recorded"):
+        ball.array("hinge_force")
+    with pytest.raises(rc.NotRecorded, match="joint_reaction: paper has no joints; it has"):
+        result.array("joint_reaction")
+
+
 def test_an_array_that_there_is_not_is_told_with_the_argument(result):
     for call in (result.array, result.spectrum):
         with pytest.raises(rc.NotRecorded, match="name = '': there is no such array; known: "):

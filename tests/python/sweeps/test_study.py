@@ -188,6 +188,16 @@ def test_a_replicate_is_a_seed(seed):
         rc.sweep(PAPER, {"replicate": [seed]}, duration=1e-4, progress=False)
 
 
+def test_a_mechanism_at_rest_has_no_replicates():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("bob", mass=1.0, inertia=0.1)
+    mechanism.add_revolute("pivot", "ground", "bob", at=(0.0, 0.1))
+    run = {"duration": 1e-3, "burn_in": 0.0, "progress": False}
+    told = "1 of 2 cases failed, first case 1 .*: replicate = 1: every body starts at rest"
+    with pytest.warns(rc.CaseWarning, match=told):
+        rc.study(mechanism, lambda result: result.time[-1], runs=2, **run)
+
+
 def test_a_scene_with_velocities_of_its_own_has_no_other_start():
     made = rc.Simulation(PAPER)
     scene = rc.Scene(PAPER, positions=made.positions, velocities=made.velocities)

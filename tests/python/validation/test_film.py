@@ -195,6 +195,13 @@ def test_a_sweep_has_the_viscosity_as_a_parameter():
             lambda: rc.LubricantFilm(0.1).force(-1e-5, (1e-3, 0.0), RADII, LENGTH),
             "eccentricity = -0.00001",
         ),
+        *[
+            (
+                lambda given=given: rc.LubricantFilm(0.1).force(*given, RADII, LENGTH),
+                r"got shape \(\d?,?\) with eccentricity of shape .*; expected \(\.\.\., 2\) and",
+            )
+            for given in (([1e-6, 2e-6], (1e-3, 0.0)), (1e-6, 1e-3))
+        ],
     ],
 )
 def test_what_means_nothing_is_refused(make, message):
