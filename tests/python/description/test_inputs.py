@@ -70,20 +70,6 @@ def test_the_balance_counts_the_work_of_what_is_set_by_a_callback(simulation):
     assert np.abs(energy.residual).max() < 0.01 * work
 
 
-def test_a_state_has_what_was_set_in_it(simulation, tmp_path):
-    simulation.step_to(5.000_001e-3)
-    simulation.set_speed(1, 13.0)
-    simulation.set_torque(2, [(0.0, 0.0), (0.01, -1.0)])
-    simulation.save_state(tmp_path / "set.npz")
-    other = rc.Simulation.load_state(tmp_path / "set.npz")
-    assert other.drive == simulation.drive
-    rows = [each.run(2e-3, 1e-5, progress=False).arrays for each in (simulation, other)]
-    for name, values in rows[0].items():
-        np.testing.assert_array_equal(rows[1][name], values, err_msg=name)
-    assert rows[0]["sprocket_speed"][-1, 0] == 13.0
-    assert simulation.state()["snapshot"] == other.state()["snapshot"]
-
-
 @pytest.mark.parametrize(
     ("call", "text"),
     [

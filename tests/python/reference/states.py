@@ -277,18 +277,17 @@ def _solve(
             rows[k, 2 * k : 2 * k + 2] = direction
             j = int(previous[k]) % n
             rows[k, 2 * j : 2 * j + 2] = -direction
-        for i, target in enumerate(targets):
-            contact = circle_on_sprocket(
-                equations.profiles[target.sprocket],
-                positions[n + target.sprocket, :2],
-                float(positions[n + target.sprocket, 2]),
-                points[target.hinge][None],
-                equations.bushing_radius,
-            )
-            if not contact.near[0]:
+        for s, profile in enumerate(equations.profiles):
+            chosen = [i for i, target in enumerate(targets) if target.sprocket == s]
+            pressed = [targets[i].hinge for i in chosen]
+            center, angle = positions[n + s, :2], float(positions[n + s, 2])
+            radius = equations.bushing_radius
+            contact = circle_on_sprocket(profile, center, angle, points[pressed], radius)
+            if not contact.near.all():
                 return None
-            residual[n + i] = contact.penetration[0] - target.depth
-            rows[n + i, 2 * target.hinge : 2 * target.hinge + 2] = contact.normal[0]
+            for k, (i, hinge) in enumerate(zip(chosen, pressed, strict=True)):
+                residual[n + i] = contact.penetration[k] - targets[i].depth
+                rows[n + i, 2 * hinge : 2 * hinge + 2] = contact.normal[k]
         if np.max(np.abs(residual)) < 1e-12:
             return points
         step = np.linalg.lstsq(rows * scale, -residual, rcond=1e-10)[0] * scale

@@ -86,9 +86,7 @@ def test_the_allowable_pressure_is_that_of_the_table(pitch, turns, teeth, expect
     assert found == (None if expected is None else pytest.approx(expected))
 
 
-def test_the_page_says_what_the_guide_value_of_the_pressure_is(result, tmp_path):
-    path = tmp_path / "report.html"
-    result.report(path)
+def test_the_page_says_what_the_guide_value_of_the_pressure_is(path):
     section = path.read_text(encoding="utf-8").partition("Pressure in the hinges")[2]
     assert "<th>guide value</th>" in section
     assert "Chernavskii and others, Course Design of Machine Elements" in section
@@ -280,7 +278,7 @@ def test_a_page_needs_nothing_else(path):
 
 def test_what_people_write_is_escaped(tmp_path):
     drive = replace(loaded_drive(), name="<script>alert(1)</script>")
-    result = rc.Simulation(drive).run(2e-3, record=RECORD, progress=False)
+    result = rc.Simulation(drive).run(2e-3, record=("hinges",), progress=False)
     result.report(tmp_path / "run.html")
     page = (tmp_path / "run.html").read_text(encoding="utf-8")
     assert "<script>alert" not in page
@@ -345,7 +343,9 @@ def test_a_breaking_load_can_be_given(tmp_path):
         ({"path": "run.html", "start": 3.0}, "no rows there"),
     ],
 )
-def test_what_cannot_be_is_refused(result, arguments, told, tmp_path, monkeypatch):
+def test_a_path_a_breaking_load_and_a_part_that_cannot_be_are_refused(
+    result, arguments, told, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(rc.InvalidInput, match=told):
         result.report(**arguments)
@@ -398,12 +398,13 @@ def test_it_prints_on_white_paper(path, scheme):
         assert sum(map(int, re.findall(r"\d+", text)[:3])) < 200
 
 
-def test_a_report_has_the_colours_of_its_page_whatever_the_theme(result, tmp_path):
+def test_a_report_has_the_colours_of_its_page_whatever_the_theme(tmp_path):
+    result = rc.Simulation(loaded_drive()).run(2e-3, record=("hinges",), progress=False)
     pages = []
     for theme in ("light", "dark"):
         rc.plot.use_theme(theme)
         try:
-            result.report(tmp_path / f"{theme}.html", start=0.1)
+            result.report(tmp_path / f"{theme}.html")
         finally:
             rc.plot.use_theme("light")
         pages.append((tmp_path / f"{theme}.html").read_text(encoding="utf-8"))
@@ -421,7 +422,7 @@ def test_a_report_has_the_warnings_of_laws_and_solver(tmp_path):
 
 def test_a_report_of_ideal_hinges_names_no_law_for_them(tmp_path):
     drive = replace(loaded_drive(), hinges="ideal")
-    result = rc.Simulation(drive).run(2e-3, progress=False)
+    result = rc.Simulation(drive).run(2e-3, record=("hinges",), progress=False)
     result.report(tmp_path / "report.html")
     assert "law of hinges ideal hinges" in text_of(tmp_path / "report.html")
 

@@ -140,29 +140,6 @@ def test_joint_loads_are_those_of_the_joints_by_their_names(result):
         clearance.plot.joint_loads()
 
 
-def test_results_come_back_from_their_file(result, tmp_path):
-    result.save(tmp_path / "run.nc")
-    loaded = rc.load_result(tmp_path / "run.nc")
-    assert loaded.drive == DRIVE
-    np.testing.assert_array_equal(loaded.hinge(6).force, result.hinge(6).force)
-
-
-def test_a_state_goes_on_to_the_same_bits(tmp_path):
-    straight, broken = (rc.Simulation(DRIVE, solver=SOLVER) for _ in range(2))
-    straight.step_to(4e-3)
-    broken.step_to(2.5e-3)
-    broken.save_state(tmp_path / "state.npz")
-    for resumed in (
-        rc.Simulation(DRIVE, solver=SOLVER),
-        rc.Simulation.load_state(tmp_path / "state.npz"),
-    ):
-        resumed.set_state(broken.state())
-        assert resumed.time == 2.5e-3
-        resumed.step_to(4e-3)
-        np.testing.assert_array_equal(resumed.positions, straight.positions)
-        np.testing.assert_array_equal(resumed.velocities, straight.velocities)
-
-
 def test_a_state_of_another_scene_is_refused():
     state = rc.Simulation(DRIVE, solver=SOLVER).state()
     other = rc.Simulation(rc.paper_drive(pretension=50.0, hinges="ideal"), solver=SOLVER)

@@ -96,7 +96,7 @@ def test_a_linear_contact_and_its_plates_are_two_springs_in_series():
         ),
     ],
 )
-def test_what_means_nothing_is_refused(make, message):
+def test_a_stiffness_of_links_that_means_nothing_is_refused(make, message):
     with pytest.raises(rc.InvalidInput, match=message):
         make()
 

@@ -172,13 +172,6 @@ def test_figures_take_lists_of_names(whole):
     plt.close("all")
 
 
-def test_more_rows_than_memory_holds_are_refused():
-    simulation = ball()
-    with pytest.raises(rc.InvalidInput, match=r"report_step = 1e-12: gives 1e\+09 rows .* GiB"):
-        simulation.run(1e-3, report_step=1e-12)
-    assert simulation.time == 0.0
-
-
 def test_redundant_joints_are_told_in_one_message():
     m = rc.Mechanism(name="platform on posts")
     m.add_body("top", 1.0, 1.0, (1.5, 1.0, 0.0))

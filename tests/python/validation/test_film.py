@@ -204,7 +204,7 @@ def test_a_sweep_has_the_viscosity_as_a_parameter():
         ],
     ],
 )
-def test_what_means_nothing_is_refused(make, message):
+def test_a_film_that_means_nothing_is_refused_and_so_are_arguments_of_its_force(make, message):
     with pytest.raises(rc.InvalidInput, match=message):
         make()
 

@@ -152,6 +152,6 @@ def test_a_sweep_has_friction_as_a_parameter():
         ),
     ],
 )
-def test_what_means_nothing_is_refused(make, message):
+def test_a_friction_law_that_means_nothing_is_refused(make, message):
     with pytest.raises(rc.InvalidInput, match=message):
         make()

@@ -143,7 +143,7 @@ kinetic_coefficient = 0.1
         ),
     ],
 )
-def test_what_means_nothing_is_refused(make, message):
+def test_a_lugre_law_that_means_nothing_is_refused(make, message):
     with pytest.raises(rc.InvalidInput, match=message):
         make()
 
