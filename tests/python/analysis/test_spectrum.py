@@ -36,7 +36,7 @@ def test_rows_may_be_seconds_apart(segment, points):
     np.testing.assert_allclose(density, expected[1], rtol=1e-9)
 
 
-def test_other_axes_stay():
+def test_a_density_has_the_leading_axes_of_its_values():
     time, values = rows(64, 6)
     _, density = welch(time, values.reshape(2, 3, -1), None)
     assert density.shape == (2, 3, 33)

@@ -77,7 +77,7 @@ def test_the_library_is_without_python(library):
     assert b"PyObject" not in content
 
 
-def test_chosen_variables_only(drive, tmp_path):
+def test_an_fmu_has_the_chosen_inputs_and_outputs_alone(drive, tmp_path):
     path = tmp_path / "7-chosen.fmu"
     chosen = {"inputs": ["sprocket_2.set_torque"], "outputs": ["sprocket_2.speed"]}
     rc.export_fmu(drive, path, **chosen)

@@ -197,7 +197,7 @@ def test_a_catalogue_chain_weighs_the_same_with_rollers_as_bodies():
         (lambda c, r: roller_drive().to_mechanism(), "no rollers as bodies"),
     ],
 )
-def test_what_cannot_be_is_refused(make, message):
+def test_rollers_and_pitches_that_cannot_be_are_refused(make, message):
     chain = roller_drive().chain
     with pytest.raises(rc.InvalidInput, match=message):
         make(chain, chain.roller)

@@ -371,7 +371,7 @@ def test_recorded_values_are_those_of_evaluate():
     np.testing.assert_allclose(eccentricity - 25e-6, e.hinge_penetration, rtol=0.0, atol=1e-15)
 
 
-def test_counts_add_up():
+def test_a_run_evaluates_twice_a_step_and_once_a_rejected_one():
     simulation = rc.Simulation(rc.paper_drive())
     stats = simulation.run(END, progress=False).stats
     # One at the start, and one that tests the first step.
