@@ -26,7 +26,8 @@ def catenary():
     left.set(title="chain of 40 links at rest", xlabel="x [m]", ylabel="y [m]", aspect="equal")
     right.set(title="distance from the exact place", xlabel="link", ylabel="[m]")
     left.legend(loc="upper right", bbox_to_anchor=(1.0, -0.35))
-    right.legend()
+    right.set_ylim(top=3e-6)  # room for the legend
+    right.legend(loc="upper right", ncols=3)
     return figure
 
 
@@ -81,7 +82,7 @@ def polygon_action(found):
         axes.plot(np.degrees(coarse), 1e3 * expected, label="tangent of two polygons", **EXACT)
         axes.plot(np.degrees(driver), 1e3 * error, label="rustchain")
         axes.set(title=name, xlabel="angle of the driver [°]", ylabel="error [mrad]")
-    panels[0].legend()
+    panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.1), ncols=2)
     return figure
 
 
