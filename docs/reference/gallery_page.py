@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 
 PAGE = Path(__file__).with_name("gallery.md")
 IMAGES = Path(__file__).parents[1] / "images" / "gallery"
-DPI = 60
+DPI = 90
 
-HEAD = """# Gallery
+HEAD = """# Figures
 
-Every figure of a result of the published drive with 25 N, 0.05 s, of a slider-crank, and of sweeps;
-[the script](gallery_page.py) has the calls. All take `start`, `end` and `ax`.
-`rustchain.plot.use_theme("dark")` draws the figures that follow on a dark ground. The colours are
-distinct for people with red-green colour blindness, too (`tests/python/plot/test_colors.py`). What
-the numbers mean is in [outputs](outputs.md).
+Every figure of `result.plot`: those of chain drives are drawn for the published drive with 25 N over
+0.05 s, those of mechanisms for a slider-crank. [The script](gallery_page.py) has the calls.
+[Post-processing](outputs.md) explains the quantities. `rustchain.plot.use_theme("dark")` draws the
+figures that follow on a dark ground. The colours are distinct for people with red-green colour
+blindness, too (`tests/python/plot/test_colors.py`).
 """
 
 
