@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rustchain.sweeps.study import StudyResult
     from rustchain.typing import Array
 
-_PICTURE = 420  # width of a picture [pixels]
+_PICTURE = 640  # width of a picture [pixels], at most that of the page
 # What a scene may lack for a part of its view, which is then left out.
 _LACKING = (MissingExtra, NotRecorded, InvalidInput, SimulationError)
 
@@ -133,7 +133,7 @@ def _image(figure: Figure) -> str:
     image = BytesIO()
     figure.savefig(image, format="png")
     data = base64.b64encode(image.getvalue()).decode()
-    return f'<img width="{_PICTURE}" src="data:image/png;base64,{data}">'
+    return f'<img width="{_PICTURE}" style="max-width: 100%" src="data:image/png;base64,{data}">'
 
 
 _VIEWS: dict[str, Callable[[Any], str]] = {
