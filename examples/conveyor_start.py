@@ -1,4 +1,4 @@
-"""Start-up surge of a conveyor: largest tension against the time in which the torque is applied.
+"""Start-up surge of a conveyor against the ramp time of the torque.
 
 The conveyor is that of `conveyor_start.toml`: 402 links, a motor and a tail shaft with 1 kg m²
 each. In a rigid conveyor the motor's torque M makes the tensions of the strands differ by M/(2

@@ -1,4 +1,4 @@
-"""What oil in the hinges does: power lost by place, and the largest hinge force, thin to thick.
+"""Lubricant in the hinges: losses and largest hinge force against viscosity.
 
 The published drive with a pretension of 100 N, between 0.1 and 0.15 s.
 """
@@ -33,7 +33,8 @@ for film in [None, *map(rc.LubricantFilm, viscosities)]:
         lost[name].append(power)
     force.append(result.peaks.hinge_force[late].max())
     powers = ", ".join(f"{name} {values[-1]:.3f} W" for name, values in lost.items())
-    print(f"{film}: {powers}, largest hinge force {force[-1]:.0f} N, {result.stats['steps']} steps")
+    name = "dry" if film is None else f"{film.viscosity:g} Pa s"
+    print(f"{name}: {powers}, largest hinge force {force[-1]:.0f} N, {result.stats['steps']} steps")
 
 names = ["dry", *(f"{viscosity:g}" for viscosity in viscosities)]
 figure, (powers, forces) = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained")

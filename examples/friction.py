@@ -1,4 +1,4 @@
-"""Where a loaded drive loses its power, from frictionless to badly lubricated.
+"""Losses and efficiency of a loaded drive against the friction coefficient.
 
 The driver turns at 120 min⁻¹ and the load takes 4 N m: 50 W. Beside the powers lost stands the
 work of articulation, μ r ω (1 + z₁/z₂) (T₁ + T₂): each hinge turns by a gap's angle on every
@@ -54,7 +54,7 @@ powers.semilogy(coefficients[1:], articulation[1:], "k--", label="work of articu
 powers.set(xlabel="friction coefficient", ylabel="power lost [W]")
 powers.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
 whole.plot(coefficients, 100.0 * (1.0 - np.array(efficiencies)), "o-")
-whole.set(xlabel="friction coefficient", ylabel="share of the power that is lost [%]")
+whole.set(xlabel="friction coefficient", ylabel="1 - efficiency [%]")
 whole.set_ylim(0.0, None)
 for axes in (powers, whole):
     axes.set_xticks(coefficients)

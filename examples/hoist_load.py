@@ -1,4 +1,4 @@
-"""Force on the hook of a hoist that starts: at rest, on average, at most, and how it vibrates.
+"""Force on the hook of a starting hoist: run and formulae.
 
 The hoist is that of `hoist_load.toml`: 250 kg on 80 links of ANSI 80. The wheel's speed grows in
 0.2 s, as a straight ramp of acceleration a or as a smooth step. Four formulae stand beside the

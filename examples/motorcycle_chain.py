@@ -1,4 +1,4 @@
-"""Tension of a motorcycle's chain against torque, and how the teeth take it over.
+"""Chain tension of a motorcycle: against the torque, and along the sprockets.
 
 The drive is that of `motorcycle_chain.toml`: a 520 chain, 15 to 42 teeth, 60 km/h. Three formulae
 of handbooks stand beside the run. The strands differ by the torque over the pitch radius. The

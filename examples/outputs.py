@@ -1,4 +1,4 @@
-"""Post-processing of a loaded drive: loads, power, pressure, strands, transmission error.
+"""Post-processing of a loaded drive: loads, power, pressure, transmission error.
 
 A motor at 25 rad/s, a load of 3 N m, 60 N of pretension; one revolution of the chain after the
 start has settled.

@@ -1,4 +1,4 @@
-"""The published drive for half a second: tooth forces of bushings 6 and 11.
+"""Published drive: tooth forces of two bushings over half a second.
 
 Each stay of a bushing on a tooth is a row of impacts; the first one is the hardest.
 """

@@ -1,4 +1,4 @@
-"""What the published study concludes, with confidence intervals: pretension, and two force laws.
+"""Conclusions of the published study, with confidence intervals.
 
 Pereira, Ambrosio and Ramalho (2010) run their drive once for each case; without pretension it is
 chaotic, so that a run is one sample. Here each case is run five times from slightly different
@@ -39,8 +39,8 @@ print(study.to_pandas()[["mean", "low", "high"]].to_string(float_format="%.4g"))
 
 labels = {
     "apart": "hinges without contact [%]",
-    "onsets": "contacts begun [1/s]",
-    "depth": "deepest in a tooth, at the reports [µm]",
+    "onsets": "contact onsets [1/s]",
+    "depth": "largest penetration of a tooth at the rows [µm]",
     "hinge": "largest hinge force, mean of hinges [N]",
     "impact": "mean engagement impact [N]",
     "swing": "upper strand's tension: standard deviation [N]",

@@ -1,9 +1,9 @@
-"""The published drive as a bushing chain and with rollers that turn, with confidence intervals.
+"""Bushing chain and roller chain, with confidence intervals.
 
 The rollers are those of a no. 40 chain: outside radius, mass of the chain and all else are the
-same; what differs is a play of 0.05 mm more between link and tooth, with a body of 1.6 g in it. As
-in paper_study.py each case is run five times and measured after the tensioner's ramp. Two to three
-minutes on two cores.
+same. What differs is a radial play of 0.05 mm more between link and tooth, with a body of 1.6 g in
+it. As in paper_study.py, each case is run five times and measured after the tensioner's ramp. Two
+to three minutes on two cores.
 """
 
 import matplotlib.pyplot as plt

@@ -1,4 +1,4 @@
-"""How many teeth a driver should have: a study at one chain speed, on all cores.
+"""Polygon action: a study over the number of teeth of the driver.
 
 A sprocket is a polygon, and the fewer its teeth, the more the chain's speed pulses as it turns.
 With more teeth on the driver, the driven sprocket turns more smoothly and the teeth are hit less

@@ -1,7 +1,7 @@
-"""What pretension does to a hinge: orbits of pin 34 in its bushing at 0 and 25 N.
+"""Effect of pretension: orbits of a pin in its bushing at 0 and 25 N.
 
-The tensioner builds up its pull in 0.1 s. From then on the pins of the tightened chain stay on the
-circle where contact begins; without pretension they go on leaving it.
+The tensioner reaches its full force in 0.1 s. From then on the pins of the tightened chain stay on the
+circle of contact onset; without pretension they leave it again and again.
 """
 
 import matplotlib.pyplot as plt

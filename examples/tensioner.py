@@ -1,4 +1,4 @@
-"""The damping of a tensioner that keeps a drive calmest, found with scipy.optimize.
+"""Best damping of a tensioner, found with scipy.optimize.
 
 The measure is the standard deviation of the tight strand's tension at the worse of two speeds. Too
 little damping lets the tensioner swing with the polygon action, too much holds it where the chain

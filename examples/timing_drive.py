@@ -1,4 +1,4 @@
-"""Natural frequencies of the tight strand of a timing drive, slow and fast.
+"""Natural frequencies of the tight strand of a timing drive.
 
 The drive is that of `timing_drive.toml`: 114 links of ISO 06B, 21 teeth on the crankshaft, 42 on
 the camshaft, a blade on the slack strand. The camshaft takes 8 N m. After the start has settled,

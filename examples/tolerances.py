@@ -1,4 +1,4 @@
-"""What tolerances of manufacture do to a drive: a Monte-Carlo study with confidence intervals.
+"""Manufacturing tolerances: a Monte-Carlo study with confidence intervals.
 
 Each of 60 chains has its own bores, and its own long and short links. The mean has Student's
 interval; the 90th percentile has the distribution-free interval between two of the sorted chains,

@@ -1,4 +1,4 @@
-"""Four tooth forms for one chain, each with a seated bushing and the pitch circle."""
+"""Four tooth forms, each with a seated bushing and the pitch circle."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""A drive from minimal input: 60 links of ANSI 40 round 17 and 25 teeth, with slack and a load.
+"""Drive from minimal input: 60 links of ANSI 40 round 17 and 25 teeth.
 
 The generator finds phases, wrap and slack, and lays the slack into the lower strand. The load on
 the driven sprocket keeps the upper strand tight; the lower one hangs.

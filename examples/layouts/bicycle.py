@@ -1,4 +1,4 @@
-"""A bicycle: chainring and cog, and the two pulleys of a derailleur that take up the slack.
+"""Bicycle: chainring, cog, and the two pulleys of a derailleur.
 
 The guide pulley stands outside the chain, the tension pulley inside it, on a cage that swings about
 the guide pulley. The upper strand pulls, the lower ones have the tension of the cage's spring.

@@ -1,7 +1,7 @@
-"""A conveyor of 2,000 links, 19 mm pitch: 19 m between centres, seen from above.
+"""Conveyor: 2,000 links of 19 mm pitch, seen from above.
 
 Both strands are long springs, which the head shaft starts from rest; the tail shaft follows when
-the pull has gone the whole way.
+the tension wave has arrived there.
 """
 
 import rustchain as rc

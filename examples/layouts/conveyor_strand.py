@@ -1,4 +1,4 @@
-"""A strand of a conveyor: goods on six links are drawn along a slide, against a counterweight.
+"""Strand of a conveyor: goods on a slide, against a counterweight.
 
 A load at either end keeps the chain on its two wheels; between them its plates bear on a rail, with
 friction. The motor on the right starts it from rest and then runs at a steady speed.

@@ -1,4 +1,4 @@
-"""A hoist: a load wheel lifts 10 kg, stops, and the load nods on its chain.
+"""Hoist: a load wheel lifts 10 kg and stops.
 
 The chain begins at an anchor, hangs in a loop to the wheel, and ends in the hook. The weight of the
 loop keeps the bushings seated where the chain runs off the wheel.

@@ -1,4 +1,4 @@
-"""A motorcycle's final drive: 15 to 42 teeth, 5/8 inch pitch, pulling at 60 km/h.
+"""Final drive of a motorcycle: 15 to 42 teeth at 60 km/h.
 
 The upper strand pulls; the lower one hangs with the slack that the swing arm's travel needs.
 """

@@ -1,4 +1,4 @@
-"""A chain that is too tight: the centres are farther apart than a closed chain allows.
+"""Tight chain: the centres are farther apart than a closed chain allows.
 
 Every hinge lends a part of its clearance. It runs; where the hinges' clearances together do not
 give enough, the same chain is refused.

@@ -1,6 +1,7 @@
-"""Too long a chain: the slack strand sags by an eighth of its span, and `check()` says so.
+"""Slack chain: a strand that sags by an eighth of its span.
 
-The strand is laid on an arc; with start="static" it hangs on its catenary.
+`check()` warns of the sag.
+The strand starts on an arc; with start="static" it hangs on its catenary.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""A machine drive: a motor with its torque curve turns two loaded shafts, an arm keeps tension.
+"""Machine drive: a motor with its torque curve, two loads, an idler on an arm.
 
 The chain is counted round the centres; the reverse idler on its arm takes up what is left over and
 holds the slack strand, which leaves the motor, at 120 N. The others add what the loads take.

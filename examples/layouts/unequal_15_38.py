@@ -1,4 +1,4 @@
-"""A reducer of 15 to 38 teeth at the shortest centre distance that is usual, 30 pitches.
+"""Reducer: 15 to 38 teeth at the shortest usual centre distance, 30 pitches.
 
 The generator counts the links; the centre then moves until the chain is taut.
 """

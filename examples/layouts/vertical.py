@@ -1,5 +1,6 @@
-"""A vertical drive: the chain hangs on the upper sprocket and would leave the lower one's teeth.
+"""Vertical drive: the chain hangs on the upper sprocket.
 
+Without a tensioner it leaves the teeth of the lower one.
 A tensioner pulls the lower shaft down, so that the chain stays on it.
 """
 
