@@ -85,9 +85,9 @@ def penetration_table() -> str:
 
 
 def restitution_table() -> str:
-    """Return the restitution obtained for each asked, a row for each damping law."""
+    """Return the effective restitution for each requested one, a row for each damping law."""
     rows = [
-        f"| asked | {' | '.join(f'{asked:g}' for asked in ASKED)} |",
+        f"| requested | {' | '.join(f'{asked:g}' for asked in ASKED)} |",
         "|---" * (len(ASKED) + 1) + "|",
     ]
     for damping in DAMPINGS:
@@ -138,18 +138,18 @@ def draw_forces(path: Path) -> None:
 
 
 def draw_restitution(path: Path) -> None:
-    """Draw the restitution obtained over that asked."""
+    """Draw the effective restitution over the requested one."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(figsize=(6.4, 4.6), layout="constrained")
     asked = np.linspace(0.01, 1.0, 200)
-    axes.plot([0, 1], [0, 1], color="0.8", linewidth=4, label="as asked")
+    axes.plot([0, 1], [0, 1], color="0.8", linewidth=4, label="as requested")
     styles = ["-", "--", "-.", ":", "-", "--", "-.", ":"]
     for damping, style in zip(DAMPINGS, styles, strict=True):
         obtained = [rc.effective_restitution(damping, each) for each in asked]
         axes.plot(asked, obtained, style, label=damping)
     axes.set(
-        xlabel="restitution asked for", ylabel="restitution obtained", xlim=(0, 1), ylim=(0, 1)
+        xlabel="requested restitution", ylabel="effective restitution", xlim=(0, 1), ylim=(0, 1)
     )
     axes.legend(frameon=False)
     figure.savefig(path, dpi=110)
