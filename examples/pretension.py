@@ -1,7 +1,7 @@
 """Effect of pretension: orbits of a pin in its bushing at 0 and 25 N.
 
-The tensioner reaches its full force in 0.1 s. From then on the pins of the tightened chain stay on the
-circle of contact onset; without pretension they leave it again and again.
+The tensioner reaches its full force in 0.1 s. From then on the pins of the tightened chain stay on
+the circle of contact onset; without pretension they leave it again and again.
 """
 
 import matplotlib.pyplot as plt

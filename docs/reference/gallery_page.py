@@ -23,8 +23,8 @@ DPI = 90
 
 HEAD = """# Figures
 
-Every figure of `result.plot`: those of chain drives are drawn for the published drive with 25 N over
-0.05 s, those of mechanisms for a slider-crank. [The script](gallery_page.py) has the calls.
+Every figure of `result.plot`: those of chain drives are drawn for the published drive with 25 N
+over 0.05 s, those of mechanisms for a slider-crank. [The script](gallery_page.py) has the calls.
 [Post-processing](outputs.md) explains the quantities. `rustchain.plot.use_theme("dark")` draws the
 figures that follow on a dark ground. The colours are distinct for people with red-green colour
 blindness, too (`tests/python/plot/test_colors.py`).

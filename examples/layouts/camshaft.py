@@ -1,8 +1,8 @@
 """Camshaft drive: two camshafts, a blade with a hydraulic tensioner, a rail.
 
 The blade presses on the slack strand; its plunger follows the chain through its check valve and
-gives way only as lubricant leaks: the dashpot is fifty times harder back than forth. The cams' torque
-changes sign twice a turn. Both guides are of polyamide.
+gives way only as lubricant leaks: the dashpot is fifty times harder back than forth. The cams'
+torque changes sign twice a turn. Both guides are of polyamide.
 """
 
 import math
