@@ -433,7 +433,7 @@ def draw(record, path):
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(3, 3, figsize=(15, 14.5), layout="constrained")
+    figure, axes = plt.subplots(3, 3, figsize=(11.5, 13.5), layout="constrained")
     for axis, scene in zip(axes.flat, PANELS, strict=True):
         _panel(axis, scene, curves(record, scene))
         _mark_default(axis, record, scene)
