@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -60,6 +61,7 @@ nb_ipywidgets_js: dict[str, Any] = {}  # nothing is loaded from the network
 autosummary_generate = True
 autodoc_typehints = "none"  # docstrings have the types
 autodoc_member_order = "bysource"
+toc_object_entries_show_parents = "hide"  # the sidebar is narrow
 numpydoc_show_class_members = False  # the template of classes lists them
 
 HELP = subprocess.run(  # from the help texts of the commands
@@ -68,6 +70,9 @@ HELP = subprocess.run(  # from the help texts of the commands
     capture_output=True,
     encoding="utf-8",
 ).stdout
+# The list of commands has their first sentences, which typer cuts short.
+for name, sentence in re.findall(r"^## `rustchain (\w+)`\n\n(.+?\.)\s", HELP, re.MULTILINE):
+    HELP = re.sub(rf"^\* `{name}`: .*", f"* `{name}`: {sentence}", HELP, flags=re.MULTILINE)
 (DOCS / "reference" / "_cli.md").write_text(HELP.partition("\n")[2], encoding="utf-8")  # no title
 
 # --- other projects; the inventories hold the names that docstrings use
@@ -121,6 +126,7 @@ sphinx_gallery_conf = {
     "image_scrapers": (saved_pictures,),
     "download_all_examples": False,
     "show_memory": False,
+    "write_computation_times": False,  # a page that loads scripts from the network
     "show_signature": False,
     "remove_config_comments": True,
     "abort_on_example_error": True,
@@ -146,4 +152,4 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-html_sidebars = {"index": [], "tutorial": [], "changelog": []}
+html_sidebars = {page: [] for page in ("index", "tutorial", "reliability", "changelog")}
