@@ -40,6 +40,10 @@ const LOW_ORDER: usize = 4;
 /// Half of the tolerance in the explicit corrector's norm on the published drive (decision 21).
 const PROFITABLE_ERROR: f64 = 0.033;
 
+/// The same in the norm of the explicit corrector, where its step is unstable. The third difference is then that of a growing vibration
+/// that the error test still accepts, not that of the motion (decision 21).
+const UNSTABLE_ERROR: f64 = 0.5;
+
 /// Ratio of costs per simulated second from which on a change pays; one of the eleven sets of decision 21.
 const GAIN: f64 = 1.2;
 
@@ -83,17 +87,22 @@ impl Adams {
         let (k, h) = (self.history.last_order, self.history.last_step_size);
         // The implicit corrector cannot exceed the longest permitted step either.
         let longest = self.next.is_near_longest(&self.control, h);
-        // h ω near the boundary of the stability region of order k.
-        let unstable = || h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
+        // h ω over its limit at order k.
+        let share = h * self.fastest.value() / explicit_limit(k);
         // A low order shows contact onsets in nearly every step.
-        let limited = !longest && (k <= LOW_ORDER || unstable());
+        let limited = !longest && (k <= LOW_ORDER || share > NEAR_LIMIT);
         // The implicit corrector's norm is a root mean square; that in use is Euclidean.
         let factor = mean_square_factor(&self.control, system.counted()).sqrt();
         let difference = || (self.history).norm_of_difference(self.instructions, &self.norm, 2);
         // Truncation error of the trapezoidal rule for the present step size.
         let at_order_two = || factor * h * gamma_star(2) * difference();
+        let profitable = if share > 1.0 {
+            PROFITABLE_ERROR.max(UNSTABLE_ERROR * factor)
+        } else {
+            PROFITABLE_ERROR
+        };
         // Below order two there is no third difference to estimate from.
-        let pays = limited && (k < 2 || at_order_two() <= PROFITABLE_ERROR);
+        let pays = limited && (k < 2 || at_order_two() <= profitable);
         self.switching.record(pays, STEPS_PER_CHECK);
     }
 
@@ -254,8 +263,9 @@ mod tests {
 
     #[test]
     fn the_error_at_order_two_decides_from_order_two_on() {
-        let step = 0.4;
-        let evidence = |order: usize, error: f64| {
+        let evidence_at = |order: usize, error: f64, share: f64| {
+            // The rate of the damper is 50/s.
+            let step = share * explicit_limit(order) / 50.0;
             let norm = error / (step * gamma_star(2));
             let mut adams = stepped(50.0, 1.0);
             let control = StepControl {
@@ -274,10 +284,15 @@ mod tests {
             adams.check_switch_to_implicit(&Damped(50.0));
             adams.switching.evidence
         };
+        let evidence = |order: usize, error: f64| evidence_at(order, error, 0.9);
         // An error above the profitable one; below order two there is none.
         let [above, below] = [1.01, 0.99].map(|share| share * PROFITABLE_ERROR);
         assert_eq!([1, 2, 3].map(|order| evidence(order, above)), [14, 6, 6]);
         assert_eq!([1, 2, 3].map(|order| evidence(order, below)), [14; 3]);
+        // Beyond the limit of stability half of the tolerance, which is by component here.
+        let unstable = |error: f64| [2, 3].map(|order| evidence_at(order, error, 1.01));
+        assert_eq!(unstable(1.01 * UNSTABLE_ERROR), [6; 2]);
+        assert_eq!(unstable(0.99 * UNSTABLE_ERROR), [14; 2]);
     }
 
     #[test]
