@@ -40,8 +40,8 @@ const LOW_ORDER: usize = 4;
 /// Half of the tolerance in the explicit corrector's norm on the published drive (decision 21).
 const PROFITABLE_ERROR: f64 = 0.033;
 
-/// The same in the norm of the explicit corrector, where its step is unstable. The third difference is then that of a growing vibration
-/// that the error test still accepts, not that of the motion (decision 21).
+/// Error at order two, in the norm of the explicit corrector, up to which an unstable step counts in favour of the implicit one. Its third
+/// difference is that of a growing vibration, not that of the motion (decision 21).
 const UNSTABLE_ERROR: f64 = 0.5;
 
 /// Ratio of costs per simulated second from which on a change pays; one of the eleven sets of decision 21.
