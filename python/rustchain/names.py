@@ -109,7 +109,14 @@ def _too_many(function: Callable[..., object], given: int) -> str | None:
     places = [p.name for p in parameters if p.kind in named]
     if given <= len(places) or any(p.kind is inspect.Parameter.VAR_POSITIONAL for p in parameters):
         return None
-    names = [name for name in places if name not in ("self", "cls")]
+    # Methods of `Result` are functions with the result as the first argument, by position only.
+    names = [
+        p.name
+        for p in parameters
+        if p.kind in named
+        and p.name not in ("self", "cls")
+        and (p.name, p.kind) != ("result", inspect.Parameter.POSITIONAL_ONLY)
+    ]
     others = "; give the others by name" if len(places) < len(parameters) else ""
     given -= len(places) - len(names)
     return f"takes {', '.join(names) or 'nothing'} by position, got {given} values{others}"

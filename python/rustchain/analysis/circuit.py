@@ -295,7 +295,7 @@ def _ahead_of_gaps(scene: Scene) -> Array:
     """
     drive = scene.drive
     report = drive.check()
-    ahead = np.zeros(len(drive.sprockets))
+    turned, ahead = np.zeros((2, len(drive.sprockets)))
     if scene.positions is None:
         return ahead
     positions = np.array(scene.positions)
@@ -306,6 +306,7 @@ def _ahead_of_gaps(scene: Scene) -> Array:
     meeting = Belt.around(drive, centers).meeting
     for place, number in enumerate(report.order):
         k, per_radian = number - 1, _per_radian(report, number - 1)
+        turned[k] = (wheels[k, 2] - report.phase[k]) * per_radian
         middle = meeting[0, place] + 0.5 * wrap[0, place] / per_radian
         from_center = fronts - wheels[k, :2]
         angle = np.arctan2(from_center[:, 1], from_center[:, 0])
@@ -316,9 +317,11 @@ def _ahead_of_gaps(scene: Scene) -> Array:
             continue  # the chain has left this sprocket
         past = math.remainder(angle[hinge] - middle, 2 * math.pi)
         there = begin[0, place] + 0.5 * wrap[0, place] + past * per_radian
-        ahead[k] = np.round(hinge + (wheels[k, 2] - report.phase[k]) * per_radian - there)
-    first = ahead[report.order[0] - 1]
-    counted: Array = first + remainder(ahead - first, drive.chain.links)
+        ahead[k] = np.round(hinge + turned[k] - there)
+    # Hinges count modulo the links: all sprockets are then within half a circuit of the first one.
+    moved = turned - ahead
+    circuits = np.round((moved - moved[report.order[0] - 1]) / drive.chain.links)
+    counted: Array = ahead + drive.chain.links * circuits
     return counted
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from math import pi
 from typing import Literal, TypeAlias
@@ -337,6 +338,6 @@ def _size(name: str) -> tuple[ChainSize, int | None]:
         return SIZES[listed], int(strands) if dash else None
     near = nearest_size(name)
     hint = suggest(name, SIZES) if near is None else f"did you mean {near!r}?"
-    if listed is not None and strands.isdecimal():
+    if listed is not None and re.fullmatch("[4-9]|1[0-9]|2[0-4]", strands):
         hint += f" Strands above 3: catalogue_chain({listed!r}, links, strands={strands})"
     raise InvalidInput(f"chain: {shown(name)} is not in the catalogue; {hint}")

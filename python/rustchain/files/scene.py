@@ -15,7 +15,7 @@ from rustchain.files.reader import read
 from rustchain.files.source import Source
 from rustchain.files.writer import text_of_scene
 from rustchain.names import known_keywords
-from rustchain.paths import path_of, write_whole
+from rustchain.paths import path_of, shown_path, write_whole
 from rustchain.results.result import Result
 from rustchain.simulation.pieces import DEFAULT, bytes_of
 from rustchain.simulation.simulation import Simulation
@@ -204,7 +204,7 @@ def save_scene(scene: Scene, path: FilePath) -> None:
     where = path_of(path)
     form = where.suffix.lower()
     if form not in _FORMS:
-        msg = f"path = {where}: expected a name that ends in .toml or .json"
+        msg = f"path = {shown_path(where)}: expected a name that ends in .toml or .json"
         raise InvalidInput(msg)
     made = admitted("scene", scene_of(scene), Scene)
     try:

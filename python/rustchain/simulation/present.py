@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copyreg
-import math
 import threading
 import warnings
 from collections.abc import Mapping
@@ -40,7 +39,7 @@ class _State(dict[str, Any]):
     """A complete state; printed by its names, as its bytes and arrays fill screens."""
 
     def __repr__(self) -> str:
-        return f"<state at t = {self.get('time', math.nan):g} s: {', '.join(self)}>"
+        return f"<state at t = {self.get('time')} s: {', '.join(self)}>"
 
 
 class Present(OfScene):

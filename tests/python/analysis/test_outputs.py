@@ -95,6 +95,27 @@ def test_motion_of_a_strand_does_not_depend_on_how_turns_are_counted():
         np.testing.assert_allclose(there.strand_motion(name), expected, rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("turns", [-2, 2, -50])
+def test_whole_turns_of_a_given_sprocket_change_no_strand_and_no_load(turns):
+    """They are more pitches than half of the chain, whose hinges count modulo its links."""
+    drive = rc.paper_drive(25.0)
+    generated = rc.Simulation(drive)
+
+    def run(turned):
+        positions = generated.positions.copy()
+        positions[drive.chain.links, 2] += 2 * np.pi * turned
+        scene = rc.Scene(drive, positions=positions, velocities=generated.velocities)
+        groups = ("hinges", "sprockets", "bodies")
+        return rc.Simulation(scene).run(2e-3, record=groups, progress=False)
+
+    here, there = run(0), run(turns)
+    expected = here.strand_motion("upper")
+    np.testing.assert_allclose(there.strand_motion("upper"), expected, rtol=0.0, atol=1e-7)
+    expected = here.hinge_loads()
+    for name, values in there.hinge_loads().items():
+        np.testing.assert_allclose(values, expected[name], rtol=1e-3, atol=1e-3)
+
+
 def test_sections_meet_and_go_once_round():
     for drive in (EQUAL, UNEQUAL, THREE, BACKWARD):
         sections = Circuit.of(drive).sections

@@ -153,6 +153,9 @@ def test_strands_that_the_name_does_not_say_are_refused():
     remedy = r"Strands above 3: catalogue_chain\('ISO 08B', links, strands=4\)"
     with pytest.raises(rc.InvalidInput, match=f"'08B-4' is not in the catalogue; .*{remedy}"):
         rc.catalogue_chain("08B-4", 60)
+    for name in ("08B-0", "08B-04", "08B-25", "08B-٤"):  # no number of strands
+        with pytest.raises(rc.InvalidInput, match=r"did you mean '[^']*'\?$"):
+            rc.catalogue_chain(name, 60)
 
 
 def test_an_iso_chain_gets_iso_teeth():

@@ -43,6 +43,10 @@ def test_an_unknown_keyword_is_answered_with_the_nearest_name(call, nearest):
             "two_sprocket_drive() takes chain, teeth by position, got 3 values; give the others by "
             "name",
         ),
+        (
+            lambda: rc.Result.hinge_loads(object(), 3),
+            "hinge_loads() takes nothing by position, got 1 values; give the others by name",
+        ),
     ],
 )
 def test_too_many_values_are_answered_with_what_is_taken_by_position(call, says):

@@ -482,6 +482,8 @@ def test_a_start_of_another_shape_or_kind_is_refused(name, changed, file, tmp_pa
 def test_a_state_prints_its_names_also_when_copied():
     simulation = rc.Simulation(rc.paper_drive())
     for state in (simulation.state(), pickle.loads(pickle.dumps(simulation.state()))):
-        assert repr(state).startswith("<state at t = 0 s: time, positions, velocities, ")
+        assert repr(state).startswith("<state at t = 0.0 s: time, positions, velocities, ")
         assert len(repr(state)) < 200
         simulation.set_state(state)
+    state["time"] = None
+    assert repr(state).startswith("<state at t = None s: ")
