@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import rustchain as rc
 from rustchain.results.values import equal
 
-EXAMPLES = 200  # 2 to 6 s each
+EXAMPLES = 600  # 10 to 30 s each
 
 
 def drive():
