@@ -200,6 +200,8 @@ struct State<R> {
     direction: [R; 2],
     /// b
     other: R,
+    /// 1/√(g² + g₀²), zero without a film.
+    inverse_reach: R,
     /// π - 2 arctan(...)
     rest_of_turn: R,
     over_root: R,
@@ -228,6 +230,8 @@ pub(crate) struct FilmSlopes<R> {
     pub(crate) damping: [R; 3],
     /// Negative slopes with the displacement, -∂F/∂e \[N/m\].
     pub(crate) stiffness: [R; 3],
+    /// 1/√(g² + g₀²), one over the change of the velocity that changes the slopes \[s/m\].
+    pub(crate) inverse_speed: R,
 }
 
 impl<R: Real> FilmLaw<R> {
@@ -266,6 +270,8 @@ impl<R: Real> FilmLaw<R> {
         let squares = g[0].mul_add(g[0], g[1] * g[1]);
         let size = squares.sqrt();
         let reach = self.speed.mul_add(self.speed, squares).sqrt();
+        let wetted = wet.select(there, zero);
+        let inverse_reach = reach.greater(zero).select(wetted / reach, zero);
         let other = reach.greater(zero).select(self.speed / reach, zero);
         let lost = one - other;
         let over_size = size.greater(zero).select(one / size, zero);
@@ -294,6 +300,7 @@ impl<R: Real> FilmLaw<R> {
                 size,
                 direction,
                 other,
+                inverse_reach,
                 rest_of_turn: constant(PI) - twice_angle,
                 over_root,
                 turn,
@@ -372,6 +379,7 @@ impl<R: Real> FilmLaw<R> {
         FilmSlopes {
             damping,
             stiffness: [longer[0], turned_across, half * (longer[1] + turned_along)],
+            inverse_speed: s.inverse_reach,
         }
     }
 }

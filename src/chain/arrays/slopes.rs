@@ -46,6 +46,8 @@ pub(crate) struct FilmGroup {
     pub(crate) damping: [Pack8; 3],
     /// Slopes with the eccentricity \[N/m\].
     pub(crate) stiffness: [Pack8; 3],
+    /// One over the change of the velocity that changes the slopes \[s/m\].
+    pub(crate) inverse_speed: Pack8,
 }
 
 /// Slopes of the contacts of one kind, slot by slot.

@@ -32,7 +32,7 @@ use pulp::{Simd, WithSimd};
 use border::{Corner, SprocketMotions};
 use contacts::{FrictionArms, HingeRoots, assemble_roots};
 use correct::Correct;
-use film::assemble_film_roots;
+use film::{FilmSlopesChange, assemble_film_roots};
 use link_group::{LinkGroup, Linked};
 use links::{Border, LinkTerms, RightHand};
 use power_change::CorrectedEnds;
@@ -228,6 +228,16 @@ impl NewtonMatrix {
     pub(crate) fn changes_of_hinge_forces(&self) -> [&[f64]; 2] {
         let [x, y] = &self.force_changes;
         [x, y]
+    }
+
+    /// Return whether the last correction changes the slopes of a film.
+    pub(crate) fn changes_film_slopes(&mut self, links: usize, set: InstructionSet) -> bool {
+        self.write_corrected_ends::<false>(set);
+        set.run(FilmSlopesChange {
+            films: &self.slopes.films,
+            ends: &mut self.corrected,
+            links,
+        })
     }
 
     /// Write the corrections of the velocities of the links' ends with the last correction; with `FRICTION` of angular velocities too.

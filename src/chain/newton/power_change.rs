@@ -25,7 +25,7 @@ use crate::math::simd::{
 #[derive(Debug, Clone)]
 pub(super) struct CorrectedEnds {
     /// Fronts, x and y, rears, and with friction angular velocities; copies of the first rear and angular velocity follow the last.
-    links: [Numbers; 5],
+    pub(super) links: [Numbers; 5],
     /// Bodies on the teeth, x and y: bushings, or rollers; with friction their angular velocities. Copies of the first ones follow the last.
     on_teeth: [Numbers; 3],
 }

@@ -110,6 +110,8 @@ impl Kernels {
             self.correct_with_hinge_forces(model, residual);
         } else if let Some(newton) = &mut self.newton {
             newton.correct(model, self.instructions, residual, None);
+            self.film_slopes_changed = model.hinges.film.is_some()
+                && newton.changes_film_slopes(model.links, self.instructions);
         }
     }
 

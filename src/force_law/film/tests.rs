@@ -117,7 +117,7 @@ fn the_hand_over_is_smooth_and_complete() {
 struct Fill<'a> {
     film: HingeFilm,
     states: &'a [(f64, [f64; 2])],
-    found: &'a mut Vec<[f64; 9]>,
+    found: &'a mut Vec<[f64; 10]>,
 }
 
 impl WithSimd for Fill<'_> {
@@ -137,7 +137,8 @@ impl WithSimd for Fill<'_> {
                 force: [push, drag],
                 shear,
             } = filled.film;
-            let all = [push, drag, shear, dxx, dyy, dxy, kxx, kyy, kxy];
+            let speed = slopes.inverse_speed;
+            let all = [push, drag, shear, dxx, dyy, dxy, kxx, kyy, kxy, speed];
             self.found.push(all.map(Lanes::greatest));
         }
     }
@@ -164,6 +165,9 @@ fn vectors_give_what_single_films_give_and_slopes_those_of_differences() {
                 assert!((found - scalar).abs() < 1e-12 * size / (1.0 - ratio));
             }
             assert!((found[2] - scalar.shear).abs() < 1e-12 * scalar.shear);
+            // One over √(g² + g₀²), g = (u_r, 2 u_t/(2 + ε²)).
+            let g = velocity[0].hypot(2.0 * velocity[1] / (2.0 + ratio * ratio));
+            assert!((found[9] * g.hypot(film.speed) - 1.0).abs() < 1e-12);
             if ratio < 0.05 {
                 continue;
             }
@@ -195,7 +199,7 @@ fn vectors_give_what_single_films_give_and_slopes_those_of_differences() {
                 ky[1],
                 0.5 * (kx[1] + ky[0]),
             ];
-            for (i, (found, expected)) in found[3..].iter().zip(expected).enumerate() {
+            for (i, (found, expected)) in found[3..9].iter().zip(expected).enumerate() {
                 let size = if i < 3 {
                     size / 2e-3
                 } else {

@@ -78,6 +78,7 @@ impl<S: Simd, const DAMPED: bool, const FRICTION: bool, const BRISTLED: bool, co
             write(&mut group.normal, part, [nx, ny]);
             write(&mut group.damping, part, slopes.damping);
             write(&mut group.stiffness, part, slopes.stiffness);
+            group.inverse_speed.put(part, slopes.inverse_speed);
         }
     }
 
