@@ -84,6 +84,8 @@ pub(crate) struct NewtonMatrix {
     is_double: bool,
     /// Scratch: corrections of the links' ends.
     corrected: CorrectedEnds,
+    /// Whether the last correction has changed the slopes of a film.
+    pub(crate) film_slopes_changed: bool,
     /// γ times the changes of the forces of ideal hinges by the last solution, those on fronts with opposite sign; that of the
     /// last hinge precedes the first.
     force_changes: [Vec<f64>; 2],
@@ -153,6 +155,7 @@ impl NewtonMatrix {
             double: (!suits_single).then(|| Box::new(Factors::new(model))),
             is_double: false,
             corrected: CorrectedEnds::new(model.links),
+            film_slopes_changed: false,
             force_changes: if model.hinges.ideal {
                 [(); 2].map(|()| vec![0.0; model.links + 1])
             } else {
@@ -196,6 +199,14 @@ impl NewtonMatrix {
         } else if let Some(single) = &mut self.single {
             single.correct(model, instructions, residual, (lack, changes));
         }
+        if model.hinges.film.is_some() {
+            self.write_corrected_ends::<false>(instructions);
+            self.film_slopes_changed = instructions.run(FilmSlopesChange {
+                films: &self.slopes.films,
+                ends: &mut self.corrected,
+                links: model.links,
+            });
+        }
     }
 
     /// Take away the velocities `lack` of ideal hinges, without forces; write the change of the velocities. The last correction of a step is
@@ -228,16 +239,6 @@ impl NewtonMatrix {
     pub(crate) fn changes_of_hinge_forces(&self) -> [&[f64]; 2] {
         let [x, y] = &self.force_changes;
         [x, y]
-    }
-
-    /// Return whether the last correction changes the slopes of a film.
-    pub(crate) fn changes_film_slopes(&mut self, links: usize, set: InstructionSet) -> bool {
-        self.write_corrected_ends::<false>(set);
-        set.run(FilmSlopesChange {
-            films: &self.slopes.films,
-            ends: &mut self.corrected,
-            links,
-        })
     }
 
     /// Write the corrections of the velocities of the links' ends with the last correction; with `FRICTION` of angular velocities too.

@@ -110,9 +110,12 @@ impl Kernels {
             self.correct_with_hinge_forces(model, residual);
         } else if let Some(newton) = &mut self.newton {
             newton.correct(model, self.instructions, residual, None);
-            self.film_slopes_changed = model.hinges.film.is_some()
-                && newton.changes_film_slopes(model.links, self.instructions);
         }
+    }
+
+    /// Return whether the last correction has changed the slopes of a film.
+    pub(crate) fn film_slopes_changed(&self) -> bool {
+        (self.newton.as_ref()).is_some_and(|newton| newton.film_slopes_changed)
     }
 
     /// Take the forces of ideal hinges as given in the next evaluations, or solve for them.

@@ -70,8 +70,6 @@ pub(crate) struct Kernels {
     /// By [`ContactKind`]: whether the contact states of the last evaluation differ from the impact velocity memory. Either a
     /// contact has no memory, or a memory has no contact.
     changed: [bool; 3],
-    /// Whether the last correction has changed the slopes of a film.
-    pub(crate) film_slopes_changed: bool,
     /// Largest squared speed of a bushing, or of a roller, at the last evaluation \[m²/s²\].
     speed_squared: f64,
     /// Start of the present step \[s\], infinite before the first one: prescribed accelerations at a row of a table are those of its side.
@@ -119,7 +117,6 @@ impl Kernels {
             loads: vec![SprocketLoad::default(); sprockets],
             losses: Losses::default(),
             changed: [true; 3],
-            film_slopes_changed: false,
             speed_squared: 0.0,
             step_start: f64::INFINITY,
             newton: (model.hinges.ideal).then(|| Box::new(NewtonMatrix::new(model))),
