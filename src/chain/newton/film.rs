@@ -19,7 +19,7 @@ const MOST_BESIDE: f64 = 0.9;
 ///
 /// From separation to approach the slope grows up to a hundred times. A correction with the slope before it then leaves a film force up to a
 /// hundred times too large.
-const MOST_CHANGE: f64 = 0.3;
+const MOST_CHANGE: f64 = 0.1;
 
 /// Write the roots of the stiffness of each hinge, as `assemble_roots` does. Any hinge may transmit force: a film does so without contact.
 #[inline(always)]
