@@ -107,6 +107,10 @@ _FARTHEST_SEAT = 0.05
 # Coarsest accuracy [m] at which the steps of drives follow penetrations of 1e-6 m: at 1e-5 m a run
 # of 50 ms dissipated 1.4e6 J.
 _COARSEST = 1e-7
+# Permitted error of velocities over that of lengths [1/s], as in `Solver.accuracy`.
+_SPEED_PER_LENGTH = 1e5
+# Minimum impact velocity [m/s] below which it is compared with that error: its default.
+_SLOW = 1e-3
 
 
 def implausible_inputs(described: Scene | ChainDrive | Mechanism) -> list[str]:
@@ -265,13 +269,22 @@ def _chain(chain: Chain, prefix: str, of: str) -> Iterator[str]:
 
 
 def _scene(scene: Scene, *_: str) -> Iterator[str]:
-    """Tell of an accuracy of drives that does not resolve contacts, and of films without effect."""
+    """Tell of accuracies of drives that do not resolve contacts, and of films without effect."""
     solver = scene.solver
     replaced = solver.rtol is not None or solver.atol is not None
     if scene.kind == "drive" and not replaced and solver.accuracy > _COARSEST:
         yield (
             f"solver.accuracy = {solver.accuracy:.4g} m: steps no longer resolve contacts of 1e-6 "
             "m; take 1e-8 or less"
+        )
+    slowest = scene.min_impact_velocity
+    permitted = _SPEED_PER_LENGTH * solver.accuracy
+    if scene.kind == "drive" and not replaced and slowest <= permitted and slowest < _SLOW:
+        yield (
+            f"min_impact_velocity = {slowest:.4g} m/s: is not above the error of velocities that "
+            f"solver.accuracy = {solver.accuracy:.4g} m permits, {permitted:.4g} m/s; forces of "
+            "slow contacts can be many times too large; take an accuracy of "
+            f"{0.1 * slowest / _SPEED_PER_LENGTH:.1g} or less, or a larger velocity"
         )
     law = scene.law_of_hinges
     dry = law.film is not None and law.friction is None

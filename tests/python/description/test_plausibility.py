@@ -175,6 +175,43 @@ def test_an_accuracy_that_does_not_resolve_the_contacts_of_a_drive_is_told(hinge
     rc.Simulation(drive, solver=rc.Solver(accuracy=1e-5, rtol=1e-7, atol=1e-7))
 
 
+def test_a_minimum_impact_velocity_that_is_not_above_the_error_of_velocities_is_told():
+    drive = rc.paper_drive(25.0)
+    with pytest.warns(rc.RustchainWarning) as caught:
+        rc.Simulation(drive, min_impact_velocity=1e-5)
+    (told,) = [str(warning.message) for warning in caught]
+    assert told == (
+        "min_impact_velocity = 1e-05 m/s: is not above the error of velocities that "
+        "solver.accuracy = 1e-10 m permits, 1e-05 m/s; forces of slow contacts can be many times "
+        "too large; take an accuracy of 1e-11 or less, or a larger velocity"
+    )
+    # The suite makes an error of any warning.
+    rc.Simulation(drive, min_impact_velocity=1.1e-5)
+    rc.Simulation(drive, min_impact_velocity=1e-5, solver=rc.Solver(accuracy=1e-11))
+    rc.Simulation(drive, min_impact_velocity=1e-5, solver=rc.Solver(rtol=1e-7, atol=1e-7))
+    # The default, at an accuracy that permits the same velocity.
+    rc.Simulation(drive, solver=rc.Solver(accuracy=1e-8))
+
+
+def test_forces_of_slow_contacts_are_right_at_the_accuracy_that_is_told():
+    """The largest hinge force from static equilibrium, where contacts have the minimum."""
+
+    def largest(accuracy):
+        scene = rc.Scene(
+            rc.paper_drive(25.0),
+            start="static",
+            min_impact_velocity=3e-6,
+            solver=rc.Solver(accuracy=accuracy),
+        )
+        result = rc.Simulation(scene).run(5e-3, 2e-5, energy=False, progress=False)
+        return result.peaks.hinge_force.max()
+
+    exact = largest(1e-13)
+    with pytest.warns(rc.RustchainWarning, match="take an accuracy of 3e-12 or less"):
+        assert largest(1e-10) > 1.5 * exact
+    assert largest(3e-12) == pytest.approx(exact, rel=0.1)
+
+
 def test_a_seat_radius_for_far_larger_rollers_is_told():
     tooth = rc.StraightTooth(0.3, seat="pitch-circle", seat_radius=0.6 * 7.9375e-3)
     drive = rc.two_sprocket_drive("ANSI 40", (17, 25), links=60, profile=tooth)

@@ -195,6 +195,7 @@ def test_a_state_of_a_hoist_goes_on_to_the_same_bits(method, rollers, tmp_path):
     np.testing.assert_array_equal(resumed.velocities, straight.velocities)
 
 
+@pytest.mark.filterwarnings("ignore:min_impact_velocity")
 def test_the_balance_of_a_fast_heavy_load_closes():
     """By a second correction in each step: without it 17 mJ are off, and 0.4 mJ with it."""
     ends = (rc.LoadedEnd(3.0), rc.FreeEnd(links=17))
