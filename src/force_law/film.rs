@@ -32,6 +32,9 @@ use crate::error::{Error, Result, check};
 use crate::math::simd::arc_tangent;
 use crate::math::{Real, Truth};
 
+/// Lower bound of √(g² + g₀²) \[m/s\], far below rounding of any velocity. At rest without tension any change of the velocity changes the slopes.
+const LEAST_REACH: f64 = 1e-100;
+
 /// Lubricant film of the hinges.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Film {
@@ -271,7 +274,7 @@ impl<R: Real> FilmLaw<R> {
         let size = squares.sqrt();
         let reach = self.speed.mul_add(self.speed, squares).sqrt();
         let wetted = wet.select(there, zero);
-        let inverse_reach = reach.greater(zero).select(wetted / reach, zero);
+        let inverse_reach = wetted / reach.max(constant(LEAST_REACH));
         let other = reach.greater(zero).select(self.speed / reach, zero);
         let lost = one - other;
         let over_size = size.greater(zero).select(one / size, zero);

@@ -102,6 +102,27 @@ fn small_pressures_have_the_full_film() {
 }
 
 #[test]
+fn any_velocity_changes_the_slopes_of_a_half_film_at_rest() {
+    let film = HingeFilm {
+        speed: 0.0,
+        ..hinge()
+    };
+    // The second g has a square below the least positive number.
+    for velocity in [[0.0, 0.0], [1e-200, 0.0]] {
+        for set in InstructionSet::available() {
+            let mut found = Vec::new();
+            set.run(Fill {
+                film,
+                states: &[(0.5, velocity)],
+                found: &mut found,
+            });
+            let inverse = found[0][9];
+            assert!(inverse > 1e50 && (inverse * inverse).is_finite());
+        }
+    }
+}
+
+#[test]
 fn the_hand_over_is_smooth_and_complete() {
     let film = hinge();
     let at = |ratio: f64| film.at(ratio * film.clearance, [1e-3, 1e-3]).force[0];
