@@ -70,7 +70,7 @@ impl SecondOrderSystem for Dynamics {
     fn contraction_safety_factor(&self) -> f64 {
         // Without the second correction the forces of ideal hinges have an error of one sign, whose work on a load is the residual.
         let pulls_loads = self.model.hinges.ideal && self.model.ends.is_some();
-        // A film's slope before the first correction tells nothing of its force where the correction has changed the slope.
+        // Where the first correction has changed the slope of a film, the force after it is unknown.
         let film_changes = self.kernels.film_slopes_changed()
             || (self.kernels.changed() && self.oscillates_at_order_two());
         if pulls_loads || film_changes {
