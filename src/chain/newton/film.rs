@@ -81,8 +81,7 @@ pub(super) fn assemble_film_roots<S: Vectors>(
 /// ends must be written.
 pub(super) struct FilmSlopesChange<'a> {
     pub(super) films: &'a [FilmGroup],
-    pub(super) ends: &'a mut CorrectedEnds,
-    pub(super) links: usize,
+    pub(super) ends: &'a CorrectedEnds,
 }
 
 impl WithSimd for FilmSlopesChange<'_> {
@@ -91,10 +90,7 @@ impl WithSimd for FilmSlopesChange<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let count = self.films.len();
-        let [front_x, front_y, rear_x, rear_y, _] = &mut self.ends.links;
-        for behind in [&mut *rear_x, &mut *rear_y] {
-            behind[self.links] = behind[0];
-        }
+        let [front_x, front_y, rear_x, rear_y, _] = &self.ends.links;
         let (front_x, front_y) = (packs(front_x, count), packs(front_y, count));
         // Hinge k joins the front of link k to the rear of link k + 1.
         let (rear_x, rear_y) = (packs(&rear_x[1..], count), packs(&rear_y[1..], count));
@@ -130,19 +126,16 @@ mod tests {
             let mut ends = CorrectedEnds::new(links);
             // Links that move as one change no film.
             for end in &mut ends.links[..4] {
-                end[..links].fill(5.0);
+                end[..=links].fill(5.0);
             }
             // Hinge k joins the front of link k to the rear of link k + 1.
-            let rear = (hinge + 1) % links;
-            ends.links[0][hinge] += 0.5 * change[0];
-            ends.links[2][rear] -= 0.5 * change[0];
-            ends.links[1][hinge] += 0.5 * change[1];
-            ends.links[3][rear] -= 0.5 * change[1];
-            let ends = &mut ends;
+            for (axis, change) in change.into_iter().enumerate() {
+                ends.links[axis][hinge] += 0.5 * change;
+                ends.links[2 + axis][hinge + 1] -= 0.5 * change;
+            }
             set.run(FilmSlopesChange {
                 films: &films,
-                ends,
-                links,
+                ends: &ends,
             })
         };
         for set in InstructionSet::available() {

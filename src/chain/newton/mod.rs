@@ -200,11 +200,10 @@ impl NewtonMatrix {
             single.correct(model, instructions, residual, (lack, changes));
         }
         if model.hinges.film.is_some() {
-            self.write_corrected_ends::<false>(instructions);
+            self.write_corrected_ends::<false>(model.links, instructions);
             self.film_slopes_changed = instructions.run(FilmSlopesChange {
                 films: &self.slopes.films,
-                ends: &mut self.corrected,
-                links: model.links,
+                ends: &self.corrected,
             });
         }
     }
@@ -242,7 +241,11 @@ impl NewtonMatrix {
     }
 
     /// Write the corrections of the velocities of the links' ends with the last correction; with `FRICTION` of angular velocities too.
-    pub(crate) fn write_corrected_ends<const FRICTION: bool>(&mut self, set: InstructionSet) {
+    pub(crate) fn write_corrected_ends<const FRICTION: bool>(
+        &mut self,
+        links: usize,
+        set: InstructionSet,
+    ) {
         let ends = &mut self.corrected;
         if self.is_double
             && let Some(double) = &self.double
@@ -250,6 +253,9 @@ impl NewtonMatrix {
             double.write_ends::<FRICTION>(set, ends);
         } else if let Some(single) = &self.single {
             single.write_ends::<FRICTION>(set, ends);
+        }
+        for behind in &mut ends.links[2..] {
+            behind[links] = behind[0];
         }
     }
 }

@@ -112,9 +112,6 @@ impl<const FORCES: bool, const FRICTION: bool> WithSimd for PowerChange<'_, FORC
             motions,
             ..
         } = matrix;
-        for behind in &mut corrected.links[2..] {
-            behind[self.links] = behind[0];
-        }
         let ChainArrays {
             bushing,
             force,

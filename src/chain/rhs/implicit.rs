@@ -73,8 +73,8 @@ impl Kernels {
         let Some(newton) = &mut self.newton else {
             return;
         };
-        newton.write_corrected_ends::<FRICTION>(self.instructions);
         let n = model.links;
+        newton.write_corrected_ends::<FRICTION>(n, self.instructions);
         let bodies = model.rollers.as_ref().zip(self.rollers.as_deref_mut());
         let rollers = bodies.map(|(of, rollers)| CorrectedRollers {
             arrays: &mut rollers.arrays,
