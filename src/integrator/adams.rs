@@ -138,6 +138,14 @@ impl Adams {
         self.starting = true;
     }
 
+    /// Begin with the implicit corrector, where the choice is free.
+    ///
+    /// For systems that are stiff at the start. The explicit corrector would be unstable up to its error test, and excite vibrations that are
+    /// not those of the system (decision 21).
+    pub fn begin_implicit(&mut self) {
+        self.switching.implicit = true;
+    }
+
     /// Return whether no step has been made since the last restart.
     #[must_use]
     pub fn is_starting(&self) -> bool {

@@ -55,6 +55,10 @@ impl Simulation<Dynamics> {
         }
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
+        if dynamics.memory.has_any() {
+            // Closed contacts are stiff.
+            adams.begin_implicit();
+        }
         Ok(Self::of(dynamics, adams))
     }
 

@@ -138,6 +138,11 @@ impl ImpactMemory {
         self.impact_velocity(contact) > 0.0
     }
 
+    /// Return whether any contact has an initial impact velocity.
+    pub(crate) fn has_any(&self) -> bool {
+        self.contacts().any(|contact| self.has(contact))
+    }
+
     /// Return whether the memory has a place for this contact.
     pub(crate) fn contains(&self, contact: ContactId) -> bool {
         let [hinges, rollers, pairs] = self.numbers();
