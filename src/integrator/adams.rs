@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::alternation::Alternation;
 use super::convergence::NewtonConvergence;
 use super::dense_output::DenseOutput;
 use super::history::History;
@@ -55,6 +56,7 @@ pub struct Adams {
     /// Largest rate of the system in the last steps.
     pub(super) fastest: FastestRate,
     pub(super) convergence: NewtonConvergence,
+    pub(super) alternation: Alternation,
     pub(super) switching: CorrectorSwitching,
     pub(super) counts: Counts,
     #[serde(skip)]
@@ -75,6 +77,7 @@ impl Adams {
             next: NextStep::new(),
             fastest: FastestRate::default(),
             convergence: NewtonConvergence::new(),
+            alternation: Alternation::new(dimension / 2),
             switching: CorrectorSwitching::new(),
             counts: Counts::default(),
             instructions: InstructionSet::detect_for(dimension),
@@ -103,6 +106,7 @@ impl Adams {
         self.vectors.lengths() == other.vectors.lengths()
             && self.norm.inverse_weight.len() == other.norm.inverse_weight.len()
             && self.history.is_like(&other.history)
+            && self.alternation.is_like(&other.alternation)
             && self.time.is_finite()
             && self.vectors.y.iter().all(|y| y.is_finite())
             && (1..=MAX_ORDER).contains(&self.next.order)

@@ -121,6 +121,7 @@ impl Adams {
         // The first explicit step must be inside the stability region.
         if self.switching.record(pays, 1) {
             self.next.size = explicit;
+            self.next.damping = 0.0;
         }
     }
 

@@ -69,9 +69,9 @@ impl History {
         self.coefficients.undo_prediction(step.order, step.size);
     }
 
-    /// Return γ = h `g_k`, the weight of the new derivative in the implicit formula of the predictor's order.
+    /// Return γ, the weight of the new derivative in the implicit formula of the predictor's order: h `g_k`, at order two with the damping.
     pub(super) fn gamma(&self, step: &NextStep) -> f64 {
-        step.size * self.coefficients.g[step.order - 1]
+        step.size * (self.coefficients.g[step.order - 1] + damping(step))
     }
 
     /// Return the error estimates at this order and at the two orders below, from the derivative at the predicted value.
@@ -103,7 +103,12 @@ impl History {
         sums: [f64; 3],
     ) -> ErrorEstimate {
         let size = (step.order, step.size);
-        ErrorEstimate::new(&self.coefficients, size, |sum| norm.of_sum(sum), sums)
+        let mut estimate =
+            ErrorEstimate::new(&self.coefficients, size, |sum| norm.of_sum(sum), sums);
+        if damping(step) > 0.0 {
+            estimate.local += step.size * damping(step) * norm.of_sum(sums[0]);
+        }
+        estimate
     }
 
     /// Replace the differences by those that include the derivative at the new solution; return |φ_{k+2}|, or zero without `above`.
@@ -175,6 +180,11 @@ impl History {
     }
 }
 
+/// Return the additional weight of the new derivative in a step, in step sizes: at order two alone.
+fn damping(step: &NextStep) -> f64 {
+    if step.order == 2 { step.damping } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -242,6 +252,33 @@ mod tests {
             history.update_coefficients(&step);
             (history.last_order, history.last_step_size) = (order, step.size);
             assert!((history.gamma(&step) - 0.5 * share).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn damping_adds_to_the_implicit_weight_and_to_the_error_at_order_two_alone() {
+        let mut history = History::new(1);
+        let mut norm = ErrorNorm::new(1);
+        norm.inverse_weight[0] = 1.0;
+        let mut step = NextStep::new();
+        step.size = 0.5;
+        for order in 1..=3 {
+            step.order = order;
+            step.damping = 0.0;
+            history.update_coefficients(&step);
+            (history.last_order, history.last_step_size) = (order, step.size);
+            let found = |step: &NextStep| {
+                let estimate = history.estimate_from(step, &norm, [4.0, 0.0, 0.0]);
+                (history.gamma(step), estimate.local, estimate.at_order)
+            };
+            let without = found(&step);
+            step.damping = 0.25;
+            let with = found(&step);
+            let share = if order == 2 { 0.125 } else { 0.0 };
+            // The norm of the sum is two.
+            assert!((with.0 - without.0 - share).abs() < 1e-15);
+            assert!((with.1 - without.1 - 2.0 * share).abs() < 1e-15);
+            assert_eq!(with.2, without.2);
         }
     }
 }

@@ -14,6 +14,7 @@
 #![allow(clippy::inline_always)] // code that is not inlined into a kernel is not compiled for its instruction set
 
 mod adams;
+mod alternation;
 mod coefficients;
 mod control;
 mod convergence;
@@ -111,11 +112,6 @@ pub trait SecondOrderSystem: OdeSystem {
 
     /// Write the local unknowns of the last evaluation.
     fn write_local_solution(&self, _velocities: &mut [f64]) {}
-
-    /// Return whether the trapezoidal rule may oscillate: nonlinear damping with a time constant far below the step size.
-    fn oscillates_at_order_two(&self) -> bool {
-        false
-    }
 
     /// Factorise the matrix 1 - γ ∂a/∂v - γ² ∂a/∂q at `y`, the point of the last [`Self::accelerations_with_slopes`].
     ///

@@ -1,6 +1,6 @@
 //! The implicit corrector: the Adams-Moulton formula of the predictor's own order, solved by Newton's method for velocities.
 //!
-//! `y = p + γ (f(y) - φ*)`, `γ = h g_k`; order 2 is the trapezoidal rule. For a second-order system the coordinates follow
+//! `y = p + γ (f(y) - φ*)`, `γ = h g_k`; order 2 is the trapezoidal rule, damped by a larger γ where velocities alternate. For a second-order system the coordinates follow
 //! from the velocities, `q = p_q + γ (v - φ*_q)`. Newton's method then solves for v alone:
 //! `v - p_v - γ (a(q, v) - φ*_v) = 0`, with the matrix `1 - γ ∂a/∂v - γ² ∂a/∂q` (Hairer and Wanner, *Solving Ordinary Differential
 //! Equations II*, section IV.8, for Runge-Kutta methods).
@@ -82,6 +82,7 @@ impl Adams {
             self.start(system);
             self.next.size = self.next.size.min(FIRST_STEP);
         }
+        self.watch_alternation(system.coordinates());
         let begin = self.time;
         let (estimate, newest_only) = self.repeat_until_accepted(system)?;
         let above = self.accept_newton(newest_only);
@@ -94,6 +95,23 @@ impl Adams {
             end: self.time,
             degree: self.history.last_order - 1,
         })
+    }
+
+    /// Choose the damping of the next step by the alternations of the last steps.
+    fn watch_alternation(&mut self, nq: usize) {
+        let velocities = nq..2 * nq;
+        match self.history.differences.rows_of_last_step() {
+            (_, Some(phi_2), newest) if self.history.last_order == A_STABLE => {
+                self.alternation.watch(
+                    self.instructions,
+                    self.history.last_step_size,
+                    (&phi_2[velocities.clone()], &newest[velocities.clone()]),
+                    &self.norm.inverse_weight[velocities],
+                );
+            }
+            _ => self.alternation.forget(),
+        }
+        self.next.damping = self.alternation.damping_of_next_step();
     }
 
     /// Solve the corrector with smaller and smaller steps until the iteration converges and the error test accepts the step. Return the
@@ -116,10 +134,6 @@ impl Adams {
                 failures += 1;
                 // The differences are rebuilt at the smaller size, at the same order.
                 self.reject_newton_step(NOT_CONVERGED, failures, nq)?;
-                if system.oscillates_at_order_two() {
-                    // Backward Euler damps such an oscillation in one step.
-                    self.next.order = 1;
-                }
                 continue;
             };
             let shrink = if !estimate.accepts() {

@@ -35,6 +35,8 @@ pub(super) struct NextStep {
     pub(super) growing: bool,
     /// Number of accepted implicit steps at order one or two until the growth of the step size is not limited by a rejected one any more.
     pub(super) steps_of_limited_growth: u32,
+    /// Additional weight of the new derivative in an implicit step of order two, in step sizes; zero for the trapezoidal rule.
+    pub(super) damping: f64,
 }
 
 impl NextStep {
@@ -46,6 +48,7 @@ impl NextStep {
             smallest: 0.0,
             growing: true,
             steps_of_limited_growth: 0,
+            damping: 0.0,
         }
     }
 
@@ -67,6 +70,7 @@ impl NextStep {
         self.order = 1;
         self.growing = true;
         self.steps_of_limited_growth = 0;
+        self.damping = 0.0;
     }
 
     /// Limit the next step, the first one included, to `longest` \[s\].

@@ -234,7 +234,7 @@ fn bytes_that_are_not_those_of_a_state_are_refused() {
             let message = said(&damaged);
             let expected = match place {
                 0..16 => "hold no state",
-                16..20 => "this rustchain reads version 23",
+                16..20 => "this rustchain reads version 24",
                 _ => "are damaged",
             };
             assert!(message.contains(expected), "byte {place}: {message}");

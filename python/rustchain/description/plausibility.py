@@ -284,7 +284,7 @@ def _scene(scene: Scene, *_: str) -> Iterator[str]:
             f"min_impact_velocity = {slowest:.4g} m/s: is not above the error of velocities that "
             f"solver.accuracy = {solver.accuracy:.4g} m permits, {permitted:.4g} m/s; forces of "
             "slow contacts can be many times too large; take an accuracy of "
-            f"{0.1 * slowest / _SPEED_PER_LENGTH:.1g} or less, or a larger velocity"
+            f"{slowest / (30.0 * _SPEED_PER_LENGTH):.1g} or less, or a larger velocity"
         )
     law = scene.law_of_hinges
     dry = law.film is not None and law.friction is None

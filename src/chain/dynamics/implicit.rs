@@ -72,7 +72,7 @@ impl SecondOrderSystem for Dynamics {
         let pulls_loads = self.model.hinges.ideal && self.model.ends.is_some();
         // Where the first correction has changed the slope of a film, the force after it is unknown.
         let film_changes = self.kernels.film_slopes_changed()
-            || (self.kernels.changed() && self.oscillates_at_order_two());
+            || (self.kernels.changed() && self.model.hinges.film.is_some());
         if pulls_loads || film_changes {
             f64::INFINITY
         } else if self.kernels.changed() {
@@ -80,10 +80,6 @@ impl SecondOrderSystem for Dynamics {
         } else {
             1.0
         }
-    }
-
-    fn oscillates_at_order_two(&self) -> bool {
-        self.model.hinges.film.is_some()
     }
 
     fn local_unknowns(&self) -> Range<usize> {

@@ -180,19 +180,13 @@ impl SecondOrderSystem for MechanismDynamics {
         velocities.copy_from_slice(&self.contacts.bristles.deflection);
     }
 
-    fn oscillates_at_order_two(&self) -> bool {
-        self.model
-            .contacts
-            .iter()
-            .any(|contact| contact.film.is_some())
-    }
-
     fn contraction_safety_factor(&self) -> f64 {
         let by_differences = |matrix: &ImplicitMatrix| matrix.by_differences.is_some();
         let is_exact = !self.corrector.matrix.as_deref().is_some_and(by_differences);
         // Corrections of bristles and of dependent constraints contract at another rate in each step.
         let varies = self.model.bristles > 0 || self.constraints.rank < self.constraints.rows.len();
-        if !is_exact || varies || self.oscillates_at_order_two() {
+        let has_film = (self.model.contacts.iter()).any(|contact| contact.film.is_some());
+        if !is_exact || varies || has_film {
             return f64::INFINITY;
         }
         if self.contacts.changed(&self.model) {

@@ -12,7 +12,7 @@ use crate::system::{Identity, System, hash};
 const MAGIC: &[u8; 16] = b"rustchain state\n";
 
 /// Version of the format; every change of the content has a new version.
-const VERSION: u32 = 23;
+const VERSION: u32 = 24;
 
 /// Complete state of a run, with the integrator's history, the impact velocity memory and the identity of its model.
 #[derive(Debug, Clone, Serialize, Deserialize)]

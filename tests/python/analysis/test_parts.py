@@ -292,7 +292,7 @@ def test_a_run_from_given_positions_counts_no_seated_bushing_as_an_engagement():
         "ANSI 40", (17, 25), links=60, speed=40.0, torque=-3.0, pretension=60.0
     )
     simulation = rc.Simulation(drive)
-    simulation.step_to(0.15)
+    simulation.step_to(0.16)
     drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
     place = {"positions": simulation.positions, "velocities": simulation.velocities}
     again = rc.Simulation(drive, **place).run(3e-3, progress=False)

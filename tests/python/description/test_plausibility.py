@@ -183,7 +183,7 @@ def test_a_minimum_impact_velocity_that_is_not_above_the_error_of_velocities_is_
     assert told == (
         "min_impact_velocity = 1e-05 m/s: is not above the error of velocities that "
         "solver.accuracy = 1e-10 m permits, 1e-05 m/s; forces of slow contacts can be many times "
-        "too large; take an accuracy of 1e-11 or less, or a larger velocity"
+        "too large; take an accuracy of 3e-12 or less, or a larger velocity"
     )
     # The suite makes an error of any warning.
     rc.Simulation(drive, min_impact_velocity=1.1e-5)
@@ -207,9 +207,9 @@ def test_forces_of_slow_contacts_are_right_at_the_accuracy_that_is_told():
         return result.peaks.hinge_force.max()
 
     exact = largest(1e-13)
-    with pytest.warns(rc.RustchainWarning, match="take an accuracy of 3e-12 or less"):
+    with pytest.warns(rc.RustchainWarning, match="take an accuracy of 1e-12 or less"):
         assert largest(1e-10) > 1.5 * exact
-    assert largest(3e-12) == pytest.approx(exact, rel=0.1)
+    assert largest(1e-12) == pytest.approx(exact, rel=0.1)
 
 
 def test_a_seat_radius_for_far_larger_rollers_is_told():

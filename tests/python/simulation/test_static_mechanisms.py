@@ -427,3 +427,14 @@ def test_links_of_a_running_drive_with_ideal_hinges_move_along_its_teeth(pivot):
     forces = simulation.evaluate().tooth_force
     loaded = still > 0.01 * still.max()
     np.testing.assert_allclose(forces[loaded], still[loaded], rtol=0.05)
+
+
+@pytest.mark.parametrize(("height", "closed"), [(-1e-6, True), (1e-6, False)])
+def test_a_mechanism_with_a_closed_contact_begins_with_the_implicit_corrector(height, closed):
+    mechanism = rc.Mechanism(name="pin")
+    mechanism.add_body("mass", 5.0, 0.01, position=(0.0, -2e-4 + height, 0.0))
+    law = rc.LinearContact(1e6, 50.0)
+    mechanism.add_clearance_joint("pin", "ground", "mass", 0.0102, 0.01, law)
+    simulation = rc.Simulation(mechanism, solver=rc.Solver(method="auto"))
+    simulation.run(1e-7, report_step=1e-7)
+    assert (simulation.stats["jacobians"] > 0) == closed

@@ -105,3 +105,44 @@ def test_a_drive_that_rests_under_load_keeps_the_forces_of_its_equilibrium(metho
         assert result.peaks.hinge_force.max() < 1.15 * force[0]
         np.testing.assert_array_equal(result.peaks.hinge_force[0], result.array("hinge_force")[0])
         assert abs(result.energy.dissipated[-1]) < 1e-6
+
+
+@pytest.mark.parametrize("accuracy", [1e-8, 1e-9, 1e-10])
+def test_a_chain_at_rest_stays_there_at_any_accuracy(accuracy):
+    # Slow contacts are overdamped. The explicit corrector was unstable there up to its tolerance:
+    # the largest force was 1.97, 1.10 and 1.00004 times that at rest.
+    hanging = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(10.0)), links=40)
+    simulation = rc.Simulation(hanging, start="static", solver=rc.Solver(accuracy=accuracy))
+    result = simulation.run(4e-3, report_step=1e-4, record=("hinges",), energy=False)
+    force = result.array("hinge_force")[0]
+    np.testing.assert_allclose(result.peaks.hinge_force, np.tile(force, (41, 1)), rtol=1e-4)
+    assert simulation.stats["evaluations"] < 100
+
+
+@pytest.mark.parametrize("accuracy", [3e-10, 1e-10, 3e-11])
+def test_the_largest_forces_of_overdamped_contacts_do_not_depend_on_the_accuracy(accuracy):
+    # Velocities that alternate from step to step made them 3 to 11 % larger.
+    def largest(accuracy):
+        simulation = rc.Simulation(
+            rc.paper_drive(25.0),
+            start="static",
+            min_impact_velocity=1e-4,
+            solver=rc.Solver(accuracy=accuracy),
+        )
+        result = simulation.run(5e-3, report_step=2e-5, energy=False)
+        return result.peaks.hinge_force.max()
+
+    assert largest(accuracy) == pytest.approx(largest(1e-12), rel=1e-3)
+
+
+def test_a_start_with_closed_contacts_has_the_implicit_corrector():
+    def matrices(**start):
+        simulation = rc.Simulation(rc.paper_drive(25.0), **start)
+        simulation.run(1e-6, report_step=1e-6, energy=False)
+        return simulation.stats["jacobians"]
+
+    rest = rc.Simulation(rc.paper_drive(25.0), start="static")
+    assert matrices() == 0
+    assert matrices(start="static") > 0
+    assert matrices(positions=rest.positions, velocities=rest.velocities) > 0
+    assert matrices(start="static", solver=rc.Solver(method="pece")) == 0
