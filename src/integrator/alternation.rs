@@ -165,7 +165,7 @@ mod tests {
             assert_eq!(first_damped(set, |step| 0.31 * sign(step)), Some(6));
             assert_eq!(first_damped(set, |step| 0.29 * sign(step)), None);
             // The smaller one of two changes counts.
-            let unequal = |step: u32| sign(step) * if step % 2 == 0 { 9.0 } else { 0.29 };
+            let unequal = |step: u32| sign(step) * if step.is_multiple_of(2) { 9.0 } else { 0.29 };
             assert_eq!(first_damped(set, unequal), None);
             // A vibration of ten steps a period, and a change in one direction.
             assert_eq!(

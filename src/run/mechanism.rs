@@ -68,12 +68,7 @@ impl Simulation<MechanismDynamics> {
         dynamics.evaluate_inside(&adams, 0.0);
         dynamics.remember_present_contacts();
         dynamics.store_surfaces(surfaces)?;
-        if dynamics
-            .contacts
-            .memory
-            .iter()
-            .any(|memory| memory.is_in_contact())
-        {
+        if dynamics.contacts.any_is_closed() {
             // Closed contacts are stiff.
             adams.begin_implicit();
         }

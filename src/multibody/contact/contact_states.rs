@@ -162,6 +162,11 @@ impl ContactStates {
         })
     }
 
+    /// Return whether any side has had an onset and no contact end since.
+    pub(crate) fn any_is_closed(&self) -> bool {
+        self.memory.iter().any(Memory::is_in_contact)
+    }
+
     /// Return whether a contact began or ended since the start of the step: a side with a memory was in contact then.
     pub(crate) fn changed(&self, model: &MechanismModel) -> bool {
         (model.sides_of_contact.iter())
