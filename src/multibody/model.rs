@@ -56,6 +56,11 @@ pub struct MechanismModel {
 }
 
 impl MechanismModel {
+    /// Return whether any clearance joint has a lubricant film.
+    pub(crate) fn has_film(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.film.is_some())
+    }
+
     /// Compile a mechanism in its initial positions.
     ///
     /// # Errors

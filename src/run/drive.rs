@@ -55,8 +55,8 @@ impl Simulation<Dynamics> {
         }
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
-        if dynamics.memory.has_any() {
-            // Closed contacts are stiff.
+        if dynamics.memory.has_any() || dynamics.model().hinges.film.is_some() {
+            // Closed contacts and films are stiff.
             adams.begin_implicit();
         }
         Ok(Self::of(dynamics, adams))

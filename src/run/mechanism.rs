@@ -68,8 +68,8 @@ impl Simulation<MechanismDynamics> {
         dynamics.evaluate_inside(&adams, 0.0);
         dynamics.remember_present_contacts();
         dynamics.store_surfaces(surfaces)?;
-        if dynamics.contacts.any_is_closed() {
-            // Closed contacts are stiff.
+        if dynamics.contacts.any_is_closed() || dynamics.model().has_film() {
+            // Closed contacts and films are stiff.
             adams.begin_implicit();
         }
         Ok(Self::of(dynamics, adams))

@@ -25,8 +25,8 @@ class Solver(Description):
         "newton": Newton's method with analytical derivatives of all contacts. In drives they are
         without small terms that would make the matrix unsymmetric. Order 2, the trapezoidal rule,
         during stiff vibration of contacts, higher orders where the motion is smooth. "auto": the
-        cheaper of the two, switched during the run, and "newton" at first where a contact is closed
-        at the start; with ideal hinges always "newton".
+        cheaper of the two, switched during the run. It begins with "newton" where a contact is
+        closed or has a film, and keeps it with ideal hinges.
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
         them is given, they replace `accuracy`; the other is then 1e-5. `rtol` is 0, or 1e-15 or

@@ -185,8 +185,7 @@ impl SecondOrderSystem for MechanismDynamics {
         let is_exact = !self.corrector.matrix.as_deref().is_some_and(by_differences);
         // Corrections of bristles and of dependent constraints contract at another rate in each step.
         let varies = self.model.bristles > 0 || self.constraints.rank < self.constraints.rows.len();
-        let has_film = (self.model.contacts.iter()).any(|contact| contact.film.is_some());
-        if !is_exact || varies || has_film {
+        if !is_exact || varies || self.model.has_film() {
             return f64::INFINITY;
         }
         if self.contacts.changed(&self.model) {

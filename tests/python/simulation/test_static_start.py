@@ -135,7 +135,7 @@ def test_the_largest_forces_of_overdamped_contacts_do_not_depend_on_the_accuracy
     assert largest(accuracy) == pytest.approx(largest(1e-12), rel=1e-3)
 
 
-def test_a_start_with_closed_contacts_has_the_implicit_corrector():
+def test_a_start_with_closed_contacts_or_a_film_has_the_implicit_corrector():
     def matrices(**start):
         simulation = rc.Simulation(rc.paper_drive(25.0), **start)
         simulation.run(1e-6, report_step=1e-6, energy=False)
@@ -146,3 +146,5 @@ def test_a_start_with_closed_contacts_has_the_implicit_corrector():
     assert matrices(start="static") > 0
     assert matrices(positions=rest.positions, velocities=rest.velocities) > 0
     assert matrices(start="static", solver=rc.Solver(method="pece")) == 0
+    film = rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
+    assert matrices(hinge_law=film) > 0
