@@ -26,7 +26,7 @@ class Solver(Description):
         without small terms that would make the matrix unsymmetric. Order 2, the trapezoidal rule,
         during stiff vibration of contacts, higher orders where the motion is smooth. "auto": the
         cheaper of the two, switched during the run. It begins with "newton" where a contact is
-        closed or has a film, and keeps it with ideal hinges.
+        closed or has a film. With ideal hinges it is always "newton".
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
         them is given, they replace `accuracy`; the other is then 1e-5. `rtol` is 0, or 1e-15 or
